@@ -179,7 +179,7 @@ fn an_anatomical_implant_over_a_scan_is_solved_and_an_even_field_changes_nothing
         ("spacing_mm", json!(0.1), "thickness_field.spacing_mm is 0.1; allowed: 0.5 to 50 mm"),
         ("columns", json!(3), "thickness_field.columns is 3; allowed: 4 to 257"),
         ("rows", json!(68), "thickness_field.factors is a list of 4761; allowed: 4692 numbers"),
-        ("factors", json!([null]), "thickness_field.factors[0]: invalid type: null"),
+        ("factors", json!([null]), "thickness_field.factors[0] is null; allowed: a number"),
         (
             "factors",
             json!(grid(&|x, _| x)),

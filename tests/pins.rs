@@ -402,7 +402,7 @@ fn invalid_pins_are_rejected_in_one_line_and_change_nothing() {
     }
     let cases = [
         (json!({}), "pins: invalid type: map"),
-        (json!(null), "pins: invalid type: null"),
+        (json!(null), "pins is null; allowed: a list of at most 4 entries"),
         (json!([pin, pin, pin, pin, pin]), "a list of at most 4 entries"),
         (json!([{}]), "pins[0]: missing field `scene`"),
         (json!([[scene]]), "pins[0]"),

@@ -4,7 +4,7 @@ use super::{
     SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, field, limits,
     out_of_range, problem,
 };
-use crate::curve::Curve;
+use crate::curve::{Curve, present};
 use crate::mesh::{Attachment, Edge, Patch, automatic_cells, balanced_cells};
 use crate::springs::Springs;
 use schemars::JsonSchema;
@@ -37,8 +37,10 @@ pub struct Body {
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct AttachmentSettings {
     /// Stiffness per area \[kPa/mm\], 0.1 to 50.
+    #[serde(deserialize_with = "present")]
     pub stiffness_kpa_per_mm: f64,
     /// Width over which the stiffness rises from zero at the pocket's edge \[mm\], 1 to 40.
+    #[serde(deserialize_with = "present")]
     pub ramp_mm: f64,
 }
 

@@ -247,9 +247,12 @@ mod tests {
                 r#""patch_radius_mm": 96, "chest": { "radius_across_mm": 72 }"#,
                 "allowed: 72 to 1000000 mm",
             ),
-            (r#""chest": null"#, "chest: "),
+            (r#""chest": null"#, "chest is null; allowed: one JSON object, or leave it out"),
             (r#""chest": {}"#, "chest: missing field `radius_across_mm`"),
-            (r#""chest": { "radius_across_mm": null }"#, "chest.radius_across_mm: "),
+            (
+                r#""chest": { "radius_across_mm": null }"#,
+                "chest.radius_across_mm is null; allowed: ",
+            ),
             (r#""chest": { "radius_across_mm": 140, "radius": 1 }"#, "chest.radius: unknown field"),
             (
                 r#""tissue_model": "sheet", "chest": { "radius_across_mm": 140 }"#,

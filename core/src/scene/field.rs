@@ -226,6 +226,25 @@ impl Field {
         self.row().path.replacen("[]", &format!("[{layer}]"), 1)
     }
 
+    /// The number of a path in a file of scenes, also in the scene of a pin.
+    pub(super) fn of_path(path: &str) -> Option<Self> {
+        let path = path.rsplit_once(".scene.").map_or(path, |(_, path)| path);
+        let row = match path.strip_prefix("layers[").and_then(|rest| rest.split_once(']')) {
+            Some((_, rest)) => format!("layers[]{rest}"),
+            None => path.to_owned(),
+        };
+        Self::ALL.iter().copied().find(|field| field.path == row)
+    }
+
+    /// Limits in words.
+    pub(super) fn allowed(self, (least, most): (f64, f64)) -> String {
+        let with_unit = |end| format!("{} {}", number(end), self.row().unit).trim_end().to_owned();
+        match most {
+            f64::MAX => format!("{} or more", with_unit(least)),
+            _ => format!("{} to {}", number(least), with_unit(most)),
+        }
+    }
+
     /// The value in a scene, of a layer's number in that layer; `None` if the scene has no such number.
     #[must_use]
     pub fn value(self, scene: &Scene, layer: usize) -> Option<f64> {
@@ -287,12 +306,7 @@ impl Field {
         let (least, most) = self.range(scene);
         match self.value(scene, layer) {
             Some(value) if !(least..=most).contains(&value) => {
-                let with_unit =
-                    |end| format!("{} {}", number(end), self.row().unit).trim_end().to_owned();
-                let allowed = match most {
-                    f64::MAX => format!("{} or more", with_unit(least)),
-                    _ => format!("{} to {}", number(least), with_unit(most)),
-                };
+                let allowed = self.allowed((least, most));
                 Err(out_of_range(&self.path(layer), number(value), &allowed))
             }
             _ => Ok(()),

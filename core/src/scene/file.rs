@@ -1,7 +1,7 @@
 //! A scene in a file: optional fields and their defaults.
 
 use super::chest_grid::BOTH;
-use super::layer::{LayerFile, default_layers, given};
+use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::visit::VisitFile;
 use super::{
@@ -9,7 +9,7 @@ use super::{
     SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Side, SolverSettings,
     ThicknessGrid, TissueModel, Version, body, chest, limits, patient, pins, problem,
 };
-use crate::curve::{List, Pair, number, object};
+use crate::curve::{List, Pair, given, given_object, number, object, present, present_object};
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::IgnoredAny;
@@ -25,7 +25,7 @@ const SAME_VOLUME: f64 = 2e-3;
 #[schemars(rename = "Scene")]
 pub(super) struct SceneFile {
     /// `implant-preview/scene/1`, a sheet, `implant-preview/scene/2` or `implant-preview/scene/3`. Default: the newest.
-    #[serde(default = "newest_schema")]
+    #[serde(default = "newest_schema", deserialize_with = "present")]
     pub(super) schema: String,
     /// Any JSON value; no computation depends on it. The command line copies it to the result.
     #[serde(default, rename = "id")]
@@ -34,39 +34,45 @@ pub(super) struct SceneFile {
     #[serde(deserialize_with = "object")]
     pub(super) implant: ImplantFile,
     /// Default: base radius + distance of the centre + 15 mm (at most 200 mm).
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     pub(super) pocket_radius_mm: Option<f64>,
     /// From `scene/2` on. Default: layered.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "TissueModel")]
     pub(super) tissue_model: Option<TissueModel>,
     /// From `scene/2` on: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     pub(super) patch_radius_mm: Option<f64>,
     /// From `scene/2` on.
-    #[serde(default, deserialize_with = "some_object")]
+    #[serde(default, deserialize_with = "given_object")]
     pub(super) attachment: Option<AttachmentSettings>,
     /// From `scene/3` on, of layered tissue: the chest wall. Default: flat.
-    #[serde(default, deserialize_with = "some_object")]
+    #[serde(default, deserialize_with = "given_object")]
     pub(super) chest: Option<ChestFile>,
-    #[serde(default = "full_insertion")]
+    #[serde(default = "full_insertion", deserialize_with = "present")]
     pub(super) insertion: f64,
     /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
     #[serde(default, deserialize_with = "layers")]
     #[schemars(with = "Vec<LayerFile>")]
     pub(super) layers: Option<Vec<LayerFile>>,
     /// From `scene/3` on, of layered tissue: factors of the thickness of all solid layers. Default: even.
-    #[serde(default, deserialize_with = "some_object")]
+    #[serde(default, deserialize_with = "given_object")]
     pub(super) thickness_field: Option<ThicknessGrid>,
     /// From `scene/2` on: what was measured on a person.
-    #[serde(default, deserialize_with = "some_object")]
+    #[serde(default, deserialize_with = "given_object")]
     pub(super) patient: Option<PatientFile>,
     /// From `scene/2` on: the patient's side of the breast. Default: drawn as `left`.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "Side")]
     pub(super) side: Option<Side>,
     /// From `scene/2` on: reference, date of the visit, surgeon, remarks; a computation ignores them.
-    #[serde(default, deserialize_with = "some_object")]
+    #[serde(default, deserialize_with = "given_object")]
     pub(super) visit: Option<VisitFile>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "present")]
     pub(super) springs: Springs,
-    #[serde(default, deserialize_with = "object")]
+    #[serde(default, deserialize_with = "present_object")]
     pub(super) solver: SolverSettings,
     /// From `scene/2` on: up to 4 scenes for comparison; a computation ignores them.
     #[serde(default, deserialize_with = "pins::list")]
@@ -80,21 +86,31 @@ pub(super) struct SceneFile {
 pub(super) struct ImplantFile {
     base_radius_mm: f64,
     /// Default: the base radius (a hemisphere).
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     projection_mm: Option<f64>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "present")]
     #[schemars(with = "[f64; 2]")]
     center_mm: Pair,
     /// From `scene/3` on: height of the base along the body \[mm\], half to twice the width. Default: twice the base radius (round).
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     base_height_mm: Option<f64>,
     /// From `scene/3` on: way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     apex_shift_mm: Option<f64>,
     /// From `scene/3` on: volume by π a b p of the half-axes of the base and the projection, 0.55 to 0.8. Default: 2/3 (half of an ellipsoid).
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     fullness: Option<f64>,
     /// From `scene/3` on: volume \[ml\], instead of the fullness, which follows.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
     volume_ml: Option<f64>,
     /// From `scene/3` on: the maker's name of the size, up to 60 characters in one line; no computation depends on it, the result has it as
     /// `implant_reference`. Default: not stated.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "present")]
     reference: String,
 }
 
@@ -143,12 +159,12 @@ impl ImplantFile {
 pub(super) struct ChestFile {
     /// Radius across the body, along x \[mm\]; negative: hollow.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "f64")]
     radius_across_mm: Option<f64>,
     /// Radius along the body, along y \[mm\]; absent or null: straight, negative: hollow.
     radius_along_mm: Option<f64>,
     /// Heights over a plane, instead of radii.
-    #[serde(default, deserialize_with = "some_object")]
+    #[serde(default, deserialize_with = "given_object")]
     grid: Option<HeightsGrid>,
 }
 
@@ -166,16 +182,10 @@ impl ChestFile {
     }
 }
 
-fn some_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
-    reader: D,
-) -> Result<Option<T>, D::Error> {
-    object(reader).map(Some)
-}
-
 fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<LayerFile>>, D::Error> {
     #[derive(Deserialize)]
     struct Entry(#[serde(deserialize_with = "object")] LayerFile);
-    let list = List::<Entry, { limits::LAYERS.1 }>::deserialize(reader)?;
+    let list: List<Entry, { limits::LAYERS.1 }> = present(reader)?;
     Ok(Some(list.0.into_iter().map(|entry| entry.0).collect()))
 }
 

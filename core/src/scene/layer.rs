@@ -1,10 +1,10 @@
 //! One layer of tissue, and its format in a file.
 
 use super::{Scene, Version};
-use crate::curve::{Curve, CurveSpec, Fat, GivenCurve, ScaledCurve};
+use crate::curve::{Curve, CurveSpec, Fat, GivenCurve, ScaledCurve, given, present};
 use crate::tensile;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// One tissue layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,26 +27,19 @@ pub struct Layer {
 #[schemars(rename = "Layer")]
 pub(super) struct LayerFile {
     /// Free text; `skin`, `adipose` and `muscle` have colours of their own.
-    #[serde(default = "default_tissue")]
+    #[serde(default = "default_tissue", deserialize_with = "present")]
     tissue: String,
     /// Thickness at rest \[mm\], 0.2 to 60. Default: from `patient`, or 1.5.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "f64")]
     pub(super) thickness_mm: Option<f64>,
     /// Poisson ratio ν \[-\], 0 to 0.5.
-    #[serde(default = "default_poisson_ratio")]
+    #[serde(default = "default_poisson_ratio", deserialize_with = "present")]
     poisson_ratio: f64,
     /// Stress–strain curve. Default: the skin preset.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<ScaledCurve>")]
+    #[schemars(with = "ScaledCurve")]
     curve: Option<GivenCurve>,
-}
-
-/// Reads a field that is present; `null` is rejected unless `T` allows it.
-pub(super) fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
-    reader: D,
-) -> Result<Option<T>, D::Error> {
-    T::deserialize(reader).map(Some)
 }
 
 impl From<LayerFile> for Layer {

@@ -17,6 +17,8 @@ mod chest_grid;
 mod error;
 pub mod field;
 mod file;
+#[cfg(test)]
+mod gaps;
 mod grid;
 mod layer;
 mod patient;
@@ -28,7 +30,7 @@ pub mod visit;
 mod written;
 
 use crate::clinical::{ClinicalError, HALF_ELLIPSOID, Size};
-use crate::curve::number;
+use crate::curve::{given, number, present};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
@@ -265,11 +267,14 @@ impl Implant {
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct SolverSettings {
     /// Nodes per side of the square grid, 17 to 1025; rounded to m·2ᵏ+1 with 8 ≤ m ≤ 15.
+    #[serde(deserialize_with = "present")]
     pub nodes_per_side: usize,
     /// Greatest node position error allowed, relative to the dome's base radius, 1e-7 to 1e-2.
+    #[serde(deserialize_with = "present")]
     pub tolerance: f64,
     /// Cells through the thickness of the solid layers of layered tissue: "auto", or 1 to 8.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "given")]
+    #[schemars(with = "CellsThrough")]
     pub cells_through: Option<CellsThrough>,
 }
 

@@ -8,12 +8,12 @@
 
 use super::body::in_first;
 use super::field::Field;
-use super::layer::{ADIPOSE, LayerFile, given};
+use super::layer::{ADIPOSE, LayerFile};
 use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{
     ClinicalError, Derived, EnvelopeFill, Measurements, PatientValue, SkinClass,
 };
-use crate::curve::{CurveSpec, List, number};
+use crate::curve::{CurveSpec, List, given, number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -37,32 +37,32 @@ const MAX_DERIVED: usize = 16;
 pub(super) struct PatientFile {
     /// Base width of the breast \[mm\], 60 to 240.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "f64")]
     base_width_mm: Option<f64>,
     /// Pinch: thickness of a fold of skin and fat \[mm\], 4 to 120.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "f64")]
     pinch_mm: Option<f64>,
     /// Anterior pull of the skin \[mm\], 5 to 80; with `base_width_mm`, without `skin_class`.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "f64")]
     skin_pull_mm: Option<f64>,
     /// Class of the skin by its anterior pull.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<SkinClass>")]
+    #[schemars(with = "SkinClass")]
     skin_class: Option<SkinClass>,
     /// Nipple–fold distance under stretch \[mm\], 30 to 200; for the practice table alone.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "f64")]
     fold_stretched_mm: Option<f64>,
     /// How much of the stretched envelope the existing breast fills; for the practice table alone.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<EnvelopeFill>")]
+    #[schemars(with = "EnvelopeFill")]
     envelope_fill: Option<EnvelopeFill>,
     /// Paths of the derived fields; the scene contains their values. Default: the determined fields that the scene does
     /// not contain are derived.
     #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Option<Vec<String>>")]
+    #[schemars(with = "Vec<String>")]
     derived: Option<List<String, MAX_DERIVED>>,
 }
 

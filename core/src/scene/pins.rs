@@ -4,7 +4,7 @@ use super::{
     CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_3, Scene, SceneError, SceneFile, TissueModel, body,
     check_words, out_of_range, read,
 };
-use crate::curve::{List, object};
+use crate::curve::{List, given, object, present};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
@@ -68,9 +68,11 @@ pub struct Document {
 #[schemars(rename = "Pin")]
 pub(super) struct PinFile {
     /// Default: the first letter without a pin.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Letter")]
     letter: Option<Letter>,
     /// Up to 100 bytes. Default: no name.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "present")]
     name: String,
     /// A scene without pins and without a visit.
     #[serde(deserialize_with = "boxed")]
@@ -85,7 +87,7 @@ fn boxed<'de, D: Deserializer<'de>>(reader: D) -> Result<Box<SceneFile>, D::Erro
 pub(super) fn list<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<PinFile>>, D::Error> {
     #[derive(Deserialize)]
     struct Entry(#[serde(deserialize_with = "object")] PinFile);
-    let list = List::<Entry, MAX_PINS>::deserialize(reader)?;
+    let list: List<Entry, MAX_PINS> = present(reader)?;
     Ok(Some(list.0.into_iter().map(|entry| entry.0).collect()))
 }
 

@@ -1,8 +1,8 @@
 //! From bytes to scenes and curves: text, JSON, JSON lines. Invalid input of any length is rejected with one short
 //! line; reading stops at the first surplus entry of a list.
 
-use super::{CheckedScene, SceneError, SceneFile, out_of_range, problem};
-use crate::curve::{Curve, List, ScaledCurve};
+use super::{CheckedScene, Field, SceneError, SceneFile, one_line, out_of_range, problem};
+use crate::curve::{Curve, GAP, List, ScaledCurve};
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::error::Category;
@@ -158,20 +158,59 @@ pub fn of_any_size<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
             named => named,
         };
         let error = error.into_inner();
+        if let Some(gap) = gap(path, text, &error) {
+            return gap;
+        }
         let text = match error.classify() {
             Category::Syntax => format!("{error}; allowed: JSON, numbers as 12.5"),
             Category::Eof => {
                 format!("ends too early, in line {}; allowed: one whole JSON object", error.line())
             }
             // The path is the place.
-            Category::Data | Category::Io => without_place(&error.to_string()),
+            Category::Data | Category::Io => in_words(&without_place(&error.to_string())),
         };
-        // Names of Rust types mean nothing to a reader.
-        let text = text.replace("expected f64", "expected a number");
-        problem(path, &text.replace("expected usize", "expected a whole number"))
+        problem(path, &text)
     })?;
     reader.end().map_err(|error| problem(whole, &error.to_string()))?;
     Ok(read)
+}
+
+/// The error of `null` where a value is expected, or of a number that JSON does not have, as other languages write it.
+fn gap(path: &str, text: &str, error: &serde_json::Error) -> Option<SceneError> {
+    let (value, allowed) = if error.is_data() {
+        let line = without_place(&error.to_string());
+        let found = line.strip_prefix(GAP).or_else(|| line.strip_prefix(NULL));
+        ("null", found?.to_owned())
+    } else {
+        (no_value(text, error.line(), error.column())?, "a number or a text".to_owned())
+    };
+    let optional = allowed.find(OPTIONAL).map_or("", |at| &allowed[at..]);
+    let limits = Field::of_path(path).map(|field| field.allowed(field.limits) + optional);
+    let path = one_line(path, 30);
+    Some(out_of_range(&path, value.to_owned(), &limits.unwrap_or_else(|| in_words(&allowed))))
+}
+
+/// An error of serde at `null`, before what is expected.
+const NULL: &str = "invalid type: null, expected ";
+/// The end of an error of `null` in an optional field.
+const OPTIONAL: &str = ", or leave it out";
+
+/// What stands at a place of a text instead of a value: `null` instead of a word, or a number that is not finite, as Python and
+/// JavaScript write it.
+fn no_value(text: &str, line: usize, column: usize) -> Option<&'static str> {
+    let line = text.split('\n').nth(line.checked_sub(1)?)?;
+    let names = [("null", "null", "null"), ("NaN", "nan", "nan"), ("Infinity", "inf", "-inf")];
+    // The parser counts up to the sign, the first letter or the letter before.
+    (column.saturating_sub(1)..=column + 1).find_map(|start| {
+        let (before, at) = line.split_at_checked(start)?;
+        let (_, plain, negative) = names.into_iter().find(|(name, ..)| at.starts_with(name))?;
+        Some(if before.ends_with('-') { negative } else { plain })
+    })
+}
+
+/// Names of Rust types mean nothing to a reader.
+fn in_words(text: &str) -> String {
+    text.replace("f64", "a number").replace("usize", "a whole number")
 }
 
 /// A message of the parser without its place, with the names of what is allowed.

@@ -1,8 +1,8 @@
 //! Side, and patient and visit in words, for the file: reference, date, surgeon, remarks. No number of a result depends on them.
 
 use super::body::in_first;
-use super::layer::given;
 use super::{SCENE_SCHEMA, Scene, SceneError, one_line, out_of_range};
+use crate::curve::{given, present};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,16 +22,16 @@ pub const DATE: &str = "a date as 2026-01-31 (year-month-day), 1900 to 2199";
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Visit {
     /// The patient's number or initials, up to 40 characters in one line.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub reference: String,
     /// Date of the visit, as 2026-01-31; 1900 to 2199.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub date: String,
     /// The surgeon, up to 60 characters in one line.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub surgeon: String,
     /// Remarks, up to 500 characters in up to 12 lines.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub remarks: String,
     /// Schedule of the fills of an expander. Default: not stated.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,10 +83,13 @@ impl VisitFile {
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct FillSchedule {
     /// Fill at operation \[ml\], 0 to 2000. Default: 100.
+    #[serde(deserialize_with = "present")]
     pub start_ml: f64,
     /// Fill of a visit \[ml\], 5 to 500; the last visit fills the rest. Default: 50.
+    #[serde(deserialize_with = "present")]
     pub visit_ml: f64,
     /// Time between visits \[weeks\], 0.5 to 12. Default: 1.
+    #[serde(deserialize_with = "present")]
     pub weeks: f64,
 }
 
@@ -397,10 +400,10 @@ mod tests {
                 "visit.fill_steps.visit_ml is 4; allowed: 5 to 500",
             ),
             (json!({ "fill_steps": { "weeks": 13 } }), "visit.fill_steps.weeks is 13; allowed"),
-            (json!({ "fill_steps": null }), "visit.fill_steps: "),
+            (json!({ "fill_steps": null }), "visit.fill_steps is null; allowed: "),
             (json!({ "fill_steps": { "a": 1 } }), "visit.fill_steps.a: unknown field `a`"),
             (json!({ "side": "up" }), "visit.side: unknown variant `up`"),
-            (json!({ "side": null }), "visit.side: "),
+            (json!({ "side": null }), "visit.side is null; allowed: "),
             (json!({ "name": "x" }), "visit.name: unknown field `name`"),
             (json!([]), "visit: invalid type: sequence, expected one JSON object"),
         ] {

@@ -4,8 +4,10 @@
 //! position of an error.
 
 use super::{CurveSpec, Fat, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, ScaledCurve, Section};
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::value::{Error as ValueError, MapAccessDeserializer, StrDeserializer};
+use serde::de::{
+    Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -14,14 +16,23 @@ use std::marker::PhantomData;
 #[serde(deny_unknown_fields)]
 struct CurveFile {
     kind: Kind,
+    #[serde(default, deserialize_with = "given")]
     variant: Option<Fat>,
+    #[serde(default, deserialize_with = "given")]
     modulus_kpa: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     scale_kpa: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     rate: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     points: Option<List<Pair, MAX_POINTS>>,
+    #[serde(default, deserialize_with = "given")]
     interpolation: Option<Interpolation>,
+    #[serde(default, deserialize_with = "given")]
     sections: Option<List<Section, MAX_POINTS>>,
+    #[serde(default, deserialize_with = "given")]
     strain_scale: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     stress_scale: Option<f64>,
 }
 
@@ -56,11 +67,17 @@ struct SectionFile {
     kind: SectionKind,
     from: f64,
     to: f64,
+    #[serde(default, deserialize_with = "given")]
     modulus_kpa: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     end_stress_kpa: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     end_slope_kpa: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     coefficients_kpa: Option<List<f64, MAX_COEFFICIENTS>>,
+    #[serde(default, deserialize_with = "given")]
     scale_kpa: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
     rate: Option<f64>,
 }
 
@@ -223,6 +240,74 @@ pub fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Resu
         }
     }
     reader.deserialize_map(Reader(PhantomData))
+}
+
+/// An error of `null` in an optional field begins with this; what is allowed follows.
+pub const GAP: &str = "null; allowed: ";
+
+/// Reads a field that is present; `null` is rejected, as a gap is no value.
+pub fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    present(reader).map(Some)
+}
+
+/// Reads a field that has a default and is present; `null` is rejected, as a gap is no value.
+pub fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
+    struct Reader<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Reader<T> {
+        type Value = T;
+
+        fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+            text.write_str(&expected::<T>())
+        }
+
+        fn visit_some<D: Deserializer<'de>>(self, reader: D) -> Result<T, D::Error> {
+            T::deserialize(reader)
+        }
+
+        fn visit_none<E: Error>(self) -> Result<T, E> {
+            Err(E::custom(format_args!("{GAP}{}, or leave it out", expected::<T>())))
+        }
+
+        fn visit_unit<E: Error>(self) -> Result<T, E> {
+            self.visit_none()
+        }
+    }
+    reader.deserialize_option(Reader(PhantomData))
+}
+
+/// Reads an object that is present, as [`given`] and [`object`] do.
+pub fn given_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<T>, D::Error> {
+    present_object(reader).map(Some)
+}
+
+/// Reads an object that has a default and is present, as [`present`] and [`object`] do.
+pub fn present_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<T, D::Error> {
+    struct Object<T>(T);
+    impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+        fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+            object(reader).map(Self)
+        }
+    }
+    present(reader).map(|Object(read)| read)
+}
+
+/// What a type is read from, in the words of its error at an empty text.
+fn expected<'de, T: Deserialize<'de>>() -> String {
+    let empty: StrDeserializer<'_, ValueError> = "".into_deserializer();
+    match T::deserialize(empty) {
+        Ok(_) => "a text".to_owned(),
+        Err(error) => {
+            let line = error.to_string();
+            let words = line.split_once(", expected ").map_or("a value", |(_, words)| words);
+            words.trim_start_matches("one of ").to_owned()
+        }
+    }
 }
 
 /// A list of at most `MAX` entries; reading stops at the first surplus entry.
