@@ -8,6 +8,7 @@ use crate::measure::{self, Fields, Outcome, Selection, no_shape};
 use crate::scene::{CheckedScene, Scene, SceneError};
 use crate::solve::{Invalid, Options, Progress, Solution, Solver};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The result of a scene, with its solution.
 #[derive(Debug)]
@@ -29,6 +30,8 @@ pub struct Simulator {
     /// Greatest time of a solve \[ms\], by the clock of [`Self::run`]; `None`: as long as the solve takes. A solve beyond ends
     /// after the piece of work that runs, as not converged, with a warning.
     pub most_ms: Option<f64>,
+    /// Ends the solve after the piece of work that runs, as not converged, once it is true.
+    pub stop: Option<Arc<AtomicBool>>,
 }
 
 impl Simulator {
@@ -53,7 +56,8 @@ impl Simulator {
             None => Solver::with_options(problem, options),
         };
         let end = self.most_ms.zip(start).map(|(most, start)| start + most);
-        let is_late = || clock.zip(end).is_some_and(|(clock, end)| clock() >= end);
+        let is_stopped = || self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed));
+        let is_late = || is_stopped() || clock.zip(end).is_some_and(|(clock, end)| clock() >= end);
         let mut is_given_up = false;
         while solver.advance(&mut || is_late()) == Progress::Working {
             // A pause may also be a draft.
@@ -133,10 +137,44 @@ pub(crate) fn relabel(outcome: &mut Outcome, before: &Scene, scene: &Scene) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::{Column, Status, surfaces};
+    use crate::measure::{Column, Status, Written, surfaces};
     use crate::solve::Method;
     use serde_json::Value;
     use std::cell::Cell;
+
+    #[test]
+    fn a_written_result_has_the_fields_of_its_own_selection_only() {
+        let of = |names: &[&str]| match names {
+            [] => Selection::all(),
+            ["no profile"] => Selection::all().without_profile(),
+            names => {
+                Selection::of(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())
+                    .unwrap()
+            }
+        };
+        let selections = [
+            &[][..],
+            &["no profile"],
+            &["contact_force_n"],
+            &["contact_force_n", "strain.max_principal"],
+            &["contact_force_n", "strain"],
+            &["layers.tissue", "solver.cycles"],
+            &["solver.cycles", "strain.fraction_above", "warnings"],
+        ];
+        for mut scene in [Scene::sheet(), Scene::default()] {
+            scene.solver.nodes_per_side = 17;
+            let outcome = simulate(&scene).unwrap();
+            for a in selections {
+                let selection = of(a);
+                let mut line: Value = serde_json::to_value(selection.of_outcome(&outcome)).unwrap();
+                line["id"] = 7.into();
+                for b in selections {
+                    let found = Written::new(&of(b)).difference(&line, &["id"]);
+                    assert_eq!(found.is_none(), a == b, "{a:?} {b:?}: {found:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_solution_is_restored_from_json_with_the_same_result() {

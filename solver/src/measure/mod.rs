@@ -29,7 +29,7 @@ pub use outcome::{
     LayerOutcome, Outcome, Pressure, ProfilePoint, SolverMethod, SolverOutcome, Status, Strains,
 };
 pub use profile::{Direction, Meridian, meridians, skin_surface};
-pub use selection::{Selected, Selection, UnknownField};
+pub use selection::{Selected, Selection, UnknownField, Written};
 #[cfg(test)]
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};

@@ -77,6 +77,75 @@ impl Selection {
     }
 }
 
+/// Compares written results with the fields of a selection.
+#[derive(Clone, Debug)]
+pub struct Written {
+    schema: Value,
+    selection: Selection,
+}
+
+impl Written {
+    /// Results with the fields of a selection.
+    #[must_use]
+    pub fn new(selection: &Selection) -> Self {
+        let settings = schemars::generate::SchemaSettings::default().for_serialize();
+        let schema = settings.into_generator().into_root_schema_for::<Outcome>().to_value();
+        Self { schema, selection: selection.clone() }
+    }
+
+    /// The first field by which a written result differs, in words, as "`strain` in surplus"; `None`: it has the selected fields. Names
+    /// beside the result, as that of its scene, are given.
+    #[must_use]
+    pub fn difference(&self, result: &Value, beside: &[&str]) -> Option<String> {
+        let Selection { paths, without_profile } = &self.selection;
+        let paths: Option<Vec<&str>> =
+            paths.as_ref().map(|paths| paths.iter().map(String::as_str).collect());
+        let is_left_out = |name: &str| *without_profile && PROFILES.contains(&name);
+        self.part(&self.schema, result, paths.as_deref(), &|name| {
+            is_left_out(name).then_some(false).or(beside.contains(&name).then_some(true))
+        })
+    }
+
+    /// The difference of a part by the relative paths; `decided` knows whether a name may stand there.
+    fn part(
+        &self,
+        schema: &Value,
+        found: &Value,
+        paths: Option<&[&str]>,
+        decided: &dyn Fn(&str) -> Option<bool>,
+    ) -> Option<String> {
+        if let Value::Array(entries) = found {
+            return entries.iter().find_map(|entry| self.part(schema, entry, paths, decided));
+        }
+        let schema = object(&self.schema, schema);
+        let (fields, properties) = (found.as_object()?, schema["properties"].as_object()?);
+        let of_name = |name: &str| {
+            let paths = paths?.iter().filter(|path| path.split('.').next() == Some(name));
+            Some(paths.map(|path| path.split_once('.').map(|(_, rest)| rest)).collect::<Vec<_>>())
+        };
+        let is_wanted = |name: &str| {
+            let is_selected = || of_name(name).is_none_or(|paths| !paths.is_empty());
+            decided(name).unwrap_or_else(|| properties.contains_key(name) && is_selected())
+        };
+        if let Some(name) = fields.keys().find(|name| !is_wanted(name)) {
+            return Some(format!("{name:?} in surplus"));
+        }
+        let required =
+            schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        if let Some(name) =
+            required.into_iter().find(|name| is_wanted(name) && !fields.contains_key(*name))
+        {
+            return Some(format!("{name:?} missing"));
+        }
+        fields.iter().find_map(|(name, value)| {
+            // A path that ends here names the whole field.
+            let rest: Option<Vec<&str>> =
+                of_name(name).and_then(|paths| paths.into_iter().collect());
+            self.part(properties.get(name)?, value, rest.as_deref(), &|_| None)
+        })
+    }
+}
+
 /// Checks that a result may contain a path.
 fn check(schema: &Value, path: &str) -> Result<(), UnknownField> {
     let mut at = schema;

@@ -1,7 +1,7 @@
 //! Input: whole files up to a size, and scenes one per line for as long as lines come.
 
 use super::output::{input_error, is_standard};
-use super::{InputError, parquet};
+use super::{InputError, parquet, standard};
 use crate::scene::{MAX_SCENE_BYTES, read};
 use std::collections::VecDeque;
 use std::fs::{File, metadata};
@@ -26,6 +26,9 @@ fn cannot_be_read(path: &Path, error: &io::Error) -> InputError {
 type Reader = Box<dyn Read + Send>;
 
 fn open(path: &Path) -> io::Result<Reader> {
+    if is_standard(path) && standard::is_input_closed() {
+        return Err(io::Error::other("it is closed"));
+    }
     Ok(if is_standard(path) { Box::new(io::stdin()) } else { Box::new(File::open(path)?) })
 }
 

@@ -1,7 +1,7 @@
 //! The command line: `simulate`, `map`, `bands`, `schema`, `curve`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
 //! Native only.
 //!
-//! Exit codes: 0 success; 1 internal error; 2 bad input (one line on standard error: file, field, allowed
+//! Exit codes: 0 success; 1 internal error, or standard output is closed; 2 bad input (one line on standard error: file, field, allowed
 //! values; no file is written, of lines those of the other scenes); 3 no converged solution (the result is written with its
 //! status); 130 a signal (what was ready is written).
 //!
@@ -18,6 +18,7 @@ mod parquet;
 mod schema;
 mod simulate;
 mod stability;
+mod standard;
 mod stream;
 mod stress;
 mod studies;
@@ -26,6 +27,7 @@ mod validate;
 
 use clap::{Parser, Subcommand};
 use std::fmt::Display;
+use std::path::Path;
 use std::process::ExitCode;
 use std::str::FromStr;
 
@@ -106,6 +108,7 @@ const INTERRUPTED: u8 = 130;
 /// Runs the command of this process, if there is one.
 #[must_use]
 pub fn run() -> Next {
+    stream::limit_pool();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return Next::Exit(report_usage(&error)),
@@ -160,7 +163,7 @@ fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {
         Some(Ok(ExitStatus::Defect)) | None => ExitCode::from(DEFECT),
         Some(Err(error)) => {
             output::error(&error.to_string());
-            ExitCode::from(BAD_INPUT)
+            ExitCode::from(if error.0 == output::CLOSED { DEFECT } else { BAD_INPUT })
         }
     }
 }
@@ -169,6 +172,9 @@ fn exit_code(outcome: Option<Result<ExitStatus, InputError>>) -> ExitCode {
 fn report_usage(error: &clap::Error) -> ExitCode {
     use clap::error::ErrorKind;
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        if let Err(closed) = output::check_open(Path::new(output::STANDARD)) {
+            return exit_code(Some(Err(closed)));
+        }
         // A closed pipe is not an error.
         let _ = error.print();
         return ExitCode::SUCCESS;

@@ -1,6 +1,6 @@
 //! Output: files written completely or not at all, files written line by line, standard output, and the line on standard error.
 
-use super::InputError;
+use super::{InputError, standard};
 use crate::springs::Springs;
 use same_file::Handle;
 use std::fs;
@@ -65,12 +65,25 @@ pub(super) fn input_error(path: &Path, error: impl std::fmt::Display) -> InputEr
     InputError(format!("{}: {error}", path.display()))
 }
 
+/// The error of an output that nobody can read; the exit code is 1.
+pub(super) const CLOSED: &str = "standard output: is closed";
+
+/// Is standard output, as `-` or by a device name, open?
+pub(super) fn check_open(path: &Path) -> Result<(), InputError> {
+    let is_output = is_standard(path) || standard::is_output_device(path);
+    if is_output && standard::is_output_closed() {
+        return Err(InputError(CLOSED.to_owned()));
+    }
+    Ok(())
+}
+
 pub(super) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
 /// Checks, before any computation, that a file can be written to this path.
 pub(super) fn check_path(path: &Path) -> Result<(), InputError> {
+    check_open(path)?;
     if is_standard(path) {
         return Ok(());
     }
@@ -170,6 +183,7 @@ pub(super) struct LineFile {
 impl LineFile {
     /// Opens a file at its place; what it holds stays up to the byte `keep`, without one nothing stays.
     pub(super) fn open(path: &Path, keep: Option<u64>) -> Result<Self, InputError> {
+        check_open(path)?;
         let open = || -> std::io::Result<Box<dyn Write + Send>> {
             if is_standard(path) {
                 return Ok(Box::new(std::io::stdout()));

@@ -3,7 +3,8 @@
 use super::{InputError, in_range, output};
 use crate::study::Finished;
 use crate::study::many::{Many, ManySettings};
-use std::env::{var, var_os};
+use std::env::var_os;
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write, stderr};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -36,14 +37,55 @@ impl ThreadCount {
     }
 }
 
-/// The threads of a scheduler's task, else the cores that this process may use.
+/// The threads of a scheduler's task, but no more than the cores that this process may use; else these cores.
 fn default_threads() -> NonZeroUsize {
-    let number = |name: &str| var(name).ok()?.parse::<NonZeroUsize>().ok();
     let is_task = ["SLURM_JOB_ID", "PARALLEL_SEQ"].iter().any(|name| var_os(name).is_some());
-    let of_task = number("SLURM_CPUS_PER_TASK").or_else(|| number("OMP_NUM_THREADS"));
-    of_task
-        .or(is_task.then_some(NonZeroUsize::MIN))
-        .unwrap_or_else(|| std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
+    let variables = ["SLURM_CPUS_PER_TASK", "OMP_NUM_THREADS"];
+    let values = variables.iter().filter_map(|name| Some((*name, var_os(name)?)));
+    let (threads, notes) = of_task(values, is_task, cores());
+    notes.iter().for_each(|note| output::warn(note));
+    threads
+}
+
+fn cores() -> NonZeroUsize {
+    std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}
+
+/// The number of threads by the first variable that has one, and a sentence on each that has none.
+fn of_task<'a>(
+    values: impl Iterator<Item = (&'a str, OsString)>,
+    is_task: bool,
+    cores: NonZeroUsize,
+) -> (NonZeroUsize, Vec<String>) {
+    let mut notes = Vec::new();
+    for (name, value) in values {
+        let text = value.to_string_lossy();
+        match first_number(&text) {
+            Some(number) => return (number.min(cores), notes),
+            None if text.trim().is_empty() => {}
+            None => notes.push(format!(
+                "{name} is {:?}, which is ignored; allowed: 1 to {MOST_THREADS}",
+                text.chars().take(40).collect::<String>()
+            )),
+        }
+    }
+    (if is_task { NonZeroUsize::MIN } else { cores }, notes)
+}
+
+/// The first number of a list, as of OpenMP's levels; a number of any length is one.
+fn first_number(text: &str) -> Option<NonZeroUsize> {
+    let first = text.split(',').next()?.trim();
+    let is_number = !first.is_empty() && first.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| first.parse().unwrap_or(usize::MAX)).and_then(NonZeroUsize::new)
+}
+
+/// Limits the threads that the charts' pool takes from its own variable to the cores.
+pub(super) fn limit_pool() {
+    let wanted = var_os("RAYON_NUM_THREADS").and_then(|text| first_number(&text.to_string_lossy()));
+    if wanted.is_some_and(|wanted| wanted > cores()) {
+        // A pool that is there already has its threads.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(cores().get()).build_global();
+    }
 }
 
 /// How a run has ended.
@@ -157,4 +199,45 @@ fn in_words(seconds: f64) -> String {
 /// Reports that a signal has ended a run, and what is kept.
 pub(super) fn warn_of_signal(kept: &str) {
     output::warn(&format!("ended by a signal; {kept}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variable_gives_no_more_threads_than_cores_and_an_unreadable_one_a_sentence() {
+        let cores = NonZeroUsize::new(8).unwrap();
+        let of = |values: &[(&'static str, &str)], is_task| {
+            let values = values.iter().map(|(name, value)| (*name, OsString::from(value)));
+            let (threads, notes) = of_task(values, is_task, cores);
+            (threads.get(), notes.len())
+        };
+        for (value, wanted) in [
+            ("2", (2, 0)),
+            ("2,1", (2, 0)),
+            (" 3 , 1", (3, 0)),
+            ("9", (8, 0)),
+            ("200000", (8, 0)),
+            ("99999999999999999999999", (8, 0)),
+            ("", (8, 0)),
+            ("many", (8, 1)),
+            ("0", (8, 1)),
+            ("-1", (8, 1)),
+            ("2.5", (8, 1)),
+        ] {
+            for name in ["SLURM_CPUS_PER_TASK", "OMP_NUM_THREADS"] {
+                assert_eq!(of(&[(name, value)], false), wanted, "{value}");
+            }
+        }
+        let [slurm, open_mp] = ["SLURM_CPUS_PER_TASK", "OMP_NUM_THREADS"];
+        assert_eq!(of(&[], false), (8, 0));
+        assert_eq!(of(&[], true), (1, 0));
+        assert_eq!(of(&[(slurm, "3"), (open_mp, "4")], true), (3, 0));
+        assert_eq!(of(&[(slurm, "x"), (open_mp, "4")], true), (4, 1));
+        assert_eq!(of(&[(open_mp, "y")], true), (1, 1));
+        let (_, notes) = of_task([(open_mp, OsString::from("many"))].into_iter(), false, cores);
+        let line = "OMP_NUM_THREADS is \"many\", which is ignored; allowed: 1 to 1024";
+        assert_eq!(notes, [line]);
+    }
 }

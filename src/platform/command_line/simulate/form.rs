@@ -1,9 +1,10 @@
 //! The form of the lines of a stream: JSON lines, or a table with a header.
 
 use super::super::cell;
-use super::key::Key;
-use crate::measure::{Column, Kind, Outcome, Selected, Selection};
-use serde::Serialize;
+use super::key::{self, Key};
+use crate::measure::{Column, Kind, Outcome, Selected, Selection, Written};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
@@ -32,8 +33,7 @@ pub(super) struct Place<'a> {
 struct ResultLine<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<&'a RawValue>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scene_hash: Option<&'a str>,
+    scene_hash: &'a str,
     #[serde(flatten)]
     result: Selected<'a>,
 }
@@ -41,13 +41,48 @@ struct ResultLine<'a> {
 #[derive(Serialize)]
 struct ErrorLine<'a> {
     id: Option<&'a RawValue>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scene_hash: Option<&'a str>,
+    scene_hash: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<&'a str>,
     line: usize,
     error: &'a str,
 }
+
+/// The scene of a line of an earlier run.
+pub(super) struct Earlier {
+    /// The JSON text of its `id`.
+    pub(super) id: Option<Box<str>>,
+    /// Of its content; lines with an `id` have not always had one.
+    pub(super) hash: Option<u128>,
+}
+
+impl Earlier {
+    fn new(id: Option<Box<str>>, hash: Option<&str>) -> Option<Self> {
+        let hash = match hash {
+            Some(text) => Some(key::written_hash(text)?),
+            None => None,
+        };
+        (id.is_some() || hash.is_some()).then_some(Self { id, hash })
+    }
+
+    fn of_json(line: &[u8]) -> Option<Self> {
+        #[derive(Deserialize)]
+        struct Names<'a> {
+            #[serde(borrow)]
+            id: Option<&'a RawValue>,
+            scene_hash: Option<&'a str>,
+            /// Of a result, or of an error in its place.
+            status: Option<IgnoredAny>,
+            error: Option<IgnoredAny>,
+        }
+        let Names { id, scene_hash, status, error } = serde_json::from_slice(line).ok()?;
+        status.or(error)?;
+        Self::new(id.map(|id| key::one_line(id.get())), scene_hash)
+    }
+}
+
+/// What a line has beside its result.
+const NAMES: [&str; 2] = ["id", "scene_hash"];
 
 /// How each line of a result begins.
 const BEGINNINGS: [&[u8]; 2] = [br#"{"id":"#, br#"{"scene_hash":"#];
@@ -87,8 +122,8 @@ impl LineFormat {
     pub(super) fn result(&self, key: &Key, outcome: &Outcome) -> String {
         let result = self.selection.of_outcome(outcome);
         let Some(Table { columns, .. }) = &self.table else {
-            let (id, scene_hash) = (key.id(), key.hash());
-            let (id, scene_hash) = (id.as_deref(), scene_hash.as_deref());
+            let (id, hash) = (key.id(), key.hash());
+            let (id, scene_hash) = (id.as_deref(), hash.as_str());
             return json(&ResultLine { id, scene_hash, result });
         };
         // The values of a result have names and numbers only.
@@ -101,8 +136,8 @@ impl LineFormat {
     pub(super) fn error(&self, key: &Key, place: Place, error: &str) -> String {
         let Place { file, line } = place;
         let Some(Table { columns, .. }) = &self.table else {
-            let (id, scene_hash) = (key.id(), key.hash());
-            let (id, scene_hash) = (id.as_deref(), scene_hash.as_deref());
+            let (id, hash) = (key.id(), key.hash());
+            let (id, scene_hash) = (id.as_deref(), hash.as_str());
             return json(&ErrorLine { id, scene_hash, file, line, error });
         };
         let file = file.map(|file| format!("{file}, ")).unwrap_or_default();
@@ -111,16 +146,22 @@ impl LineFormat {
     }
 
     /// The scene of a line of an earlier run, the header aside; `None` for another line.
-    pub(super) fn key(&self, line: &[u8]) -> Option<Key> {
-        let Some(Table { columns, .. }) = &self.table else { return Key::of_result(line) };
+    pub(super) fn earlier(&self, line: &[u8]) -> Option<Earlier> {
+        let Some(Table { columns, .. }) = &self.table else { return Earlier::of_json(line) };
         let cells = cell::split(std::str::from_utf8(line).ok()?).ok()?;
         if cells.len() != columns.len() + 3 {
             return None;
         }
-        match cell::to_json(&cells[0]) {
-            Some(id) => Some(Key::of_id(&id)),
-            None => Key::of_hash(&cells[1]),
-        }
+        let id = cell::to_json(&cells[0]).map(|id| key::one_line(&id));
+        Earlier::new(id, Some(&cells[1]).filter(|hash| !hash.is_empty()))
+    }
+
+    /// Compares the fields of a JSON line of an earlier run; `None` for an error in the place of a result. A table has a header.
+    pub(super) fn compared(&self, line: &[u8]) -> Option<Result<(), String>> {
+        let result: Value = serde_json::from_slice(line).ok()?;
+        result.get("status")?;
+        let other = Written::new(&self.selection).difference(&result, &NAMES);
+        Some(other.map_or(Ok(()), Err))
     }
 
     /// May a line without its end be one of an earlier run?
@@ -142,6 +183,6 @@ fn json(value: &impl Serialize) -> String {
 
 fn row(key: &Key, values: impl Iterator<Item = String>, error: String) -> String {
     let id = key.id().map(|id| cell::of_json(id.get())).unwrap_or_default();
-    let names = [id, key.hash().unwrap_or_default()];
+    let names = [id, key.hash()];
     cell::row(names.into_iter().chain(values).chain([error]))
 }

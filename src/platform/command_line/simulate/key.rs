@@ -1,81 +1,74 @@
 //! Which scene a line is.
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 use serde_json::Value;
 use serde_json::value::RawValue;
 
-/// What a scene is known by: its `id`, else a hash of its content.
+/// What a scene is known by: its `id`, if it has one, and a hash of its content.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Key {
+pub(super) struct Key {
     /// The JSON text of the scene's `id`.
-    Id(Box<str>),
-    /// Of the scene's JSON with sorted fields; of a row of a table, of template and cells.
-    Hash(u128),
+    id: Option<Box<str>>,
+    /// Of the scene's JSON without `id`, with sorted fields; of a row of a table, of template and cells.
+    hash: u128,
 }
 
-/// The fields of a scene, or of a line of an earlier run, that name the scene.
+/// The fields of a scene that name it.
 #[derive(Deserialize)]
 struct Names<'a> {
     #[serde(borrow)]
     id: Option<&'a RawValue>,
-    scene_hash: Option<&'a str>,
-    /// Of a result, or of an error in its place.
-    status: Option<IgnoredAny>,
-    error: Option<IgnoredAny>,
 }
 
 impl Key {
     /// The key of a scene's text, valid or not.
     pub(super) fn of(text: &str) -> Self {
         let text = text.trim_start_matches('\u{feff}');
-        if let Ok(Names { id: Some(id), .. }) = serde_json::from_str(text) {
-            return Self::of_id(id.get());
-        }
-        let content = serde_json::from_str::<Value>(text).map(|value| value.to_string());
-        Self::of_content(content.as_deref().unwrap_or(text.trim()))
+        let names = serde_json::from_str::<Names>(text).ok();
+        let id = names.and_then(|Names { id }| Some(id?.get()));
+        let content = serde_json::from_str::<Value>(text).map(|mut value| {
+            if let (Some(fields), Some(_)) = (value.as_object_mut(), id) {
+                fields.remove("id");
+            }
+            value.to_string()
+        });
+        Self::new(id, content.as_deref().unwrap_or(text.trim()))
     }
 
-    /// The key of a line of an earlier run; `None` for another line.
-    pub(super) fn of_result(line: &[u8]) -> Option<Self> {
-        let Names { id, scene_hash, status, error } = serde_json::from_slice(line).ok()?;
-        status.or(error)?;
-        match id {
-            Some(id) => Some(Self::of_id(id.get())),
-            None => Self::of_hash(scene_hash?),
-        }
+    /// The key of the JSON text of an `id`, and of what the scene consists of.
+    pub(super) fn new(id: Option<&str>, content: &str) -> Self {
+        Self { id: id.map(one_line), hash: hash(content) }
     }
 
-    /// The key of the JSON text of an `id`; a line break in JSON is white space.
-    pub(super) fn of_id(json: &str) -> Self {
-        Self::Id(json.replace(['\n', '\r'], " ").into())
-    }
-
-    /// The key of what a scene consists of.
-    pub(super) fn of_content(content: &str) -> Self {
-        Self::Hash(hash(content))
-    }
-
-    /// The key of a written `scene_hash`.
-    pub(super) fn of_hash(text: &str) -> Option<Self> {
-        u128::from_str_radix(text, 16).ok().map(Self::Hash)
+    /// The JSON text of `id`.
+    pub(super) fn id_text(&self) -> Option<&str> {
+        self.id.as_deref()
     }
 
     /// The value of `id`.
     pub(super) fn id(&self) -> Option<Box<RawValue>> {
-        match self {
-            Self::Id(id) => RawValue::from_string(id.to_string()).ok(),
-            Self::Hash(_) => None,
-        }
+        self.id.as_ref().and_then(|id| RawValue::from_string(id.to_string()).ok())
+    }
+
+    /// The hash of the content.
+    pub(super) fn content(&self) -> u128 {
+        self.hash
     }
 
     /// The value of `scene_hash`.
-    pub(super) fn hash(&self) -> Option<String> {
-        match self {
-            Self::Id(_) => None,
-            Self::Hash(hash) => Some(format!("{hash:032x}")),
-        }
+    pub(super) fn hash(&self) -> String {
+        format!("{:032x}", self.hash)
     }
+}
+
+/// A line break in JSON is white space.
+pub(super) fn one_line(json: &str) -> Box<str> {
+    json.replace(['\n', '\r'], " ").into()
+}
+
+/// The hash of a written `scene_hash`.
+pub(super) fn written_hash(text: &str) -> Option<u128> {
+    u128::from_str_radix(text, 16).ok()
 }
 
 /// FNV-1a with 128 bits: equal in every version of this program.
@@ -98,14 +91,18 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_is_known_by_its_id_else_by_its_content() {
+    fn a_scene_is_known_by_its_id_and_by_its_content_without_it() {
         let key = Key::of(r#"{"id":{"a":"1"},"insertion":1}"#);
-        assert_eq!(key, Key::of(r#"{"insertion":2,"id":{"a":"1"}}"#));
+        let changed = Key::of(r#"{"insertion":2,"id":{"a":"1"}}"#);
+        assert!(key.id_text() == changed.id_text() && key.content() != changed.content());
         assert_eq!(key.id().unwrap().get(), r#"{"a":"1"}"#);
+        let other = Key::of(r#"{"id":2,"insertion":1}"#);
+        assert!(other.content() == key.content() && other != key);
         let content = Key::of(r#"{"insertion":1,"implant":{"base_radius_mm":50}}"#);
         assert_eq!(content, Key::of(r#" {"implant": {"base_radius_mm": 50}, "insertion": 1} "#));
         assert_ne!(content, Key::of(r#"{"insertion":1,"implant":{"base_radius_mm":51}}"#));
         assert_eq!(Key::of(" {broken "), Key::of("{broken"));
+        assert_eq!(written_hash(&key.hash()), Some(key.content()));
         assert_eq!(
             Key::of(r#"{"id":123456789012345678901}"#).id().unwrap().get(),
             "123456789012345678901"

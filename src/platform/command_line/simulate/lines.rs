@@ -5,7 +5,7 @@ use super::super::output::{self, LineFile};
 use super::super::parquet::ParquetFile;
 use super::super::stream::{self, End, Progress};
 use super::super::{ExitStatus, InputError, report_panics};
-use super::done::Done;
+use super::done::{Done, Found};
 use super::form::{LineFormat, Place};
 use super::key::Key;
 use super::table::Table;
@@ -18,8 +18,8 @@ use crate::study::many::{Many, ManySettings};
 use crate::study::runner::panic_line;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::Ordering;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What a thread keeps from scene to scene.
 #[derive(Default)]
@@ -35,6 +35,8 @@ struct Run {
     table: Option<Table>,
     most_ms: Option<f64>,
     done: Mutex<Done>,
+    /// Number of scenes whose `id` an earlier run has with other content.
+    changed: Arc<AtomicU64>,
     /// Names of the files, where the run has several.
     names: Vec<String>,
 }
@@ -91,8 +93,10 @@ impl Run {
     fn answer(&self, worker: &mut Worker, text: Text) -> Answer {
         let Text { source, line, bytes } = text;
         let (key, scene) = self.scene(bytes, worker.scene.as_ref());
-        if self.done.lock().unwrap_or_else(PoisonError::into_inner).take(&key) {
-            return Answer::Done;
+        match self.done.lock().unwrap_or_else(PoisonError::into_inner).take(&key) {
+            Found::Line => return Answer::Done,
+            Found::Changed => _ = self.changed.fetch_add(1, Ordering::Relaxed),
+            Found::Nothing => {}
         }
         let place = Place { file: self.names.get(source).map(String::as_str), line };
         match scene.map(|scene| self.outcome(worker, scene)) {
@@ -171,7 +175,8 @@ pub(super) fn run(
         sources => sources.iter().map(|source| source.path().display().to_string()).collect(),
     };
     let done = Mutex::new(done.unwrap_or_default());
-    let run = Run { format, table, most_ms: *most_ms, done, names };
+    let changed = Arc::new(AtomicU64::new(0));
+    let run = Run { format, table, most_ms: *most_ms, done, changed: Arc::clone(&changed), names };
     let (texts, bytes, all_bytes) = Texts::new(sources);
     report_panics("");
     let work = move |worker: &mut Worker, text| run.answer(worker, text);
@@ -209,6 +214,12 @@ pub(super) fn run(
     file.finish()?;
     if skipped > 0 {
         output::warn(&format!("--skip-done: {skipped} scenes have a line already"));
+    }
+    let changed = changed.load(Ordering::Relaxed);
+    if changed > 0 {
+        output::warn(&format!(
+            "--skip-done: {changed} scenes with a line of their id are other scenes now and are solved; of an id the last line counts"
+        ));
     }
     if end == End::Signal {
         stream::warn_of_signal(&format!("{written} lines are whole"));

@@ -63,11 +63,9 @@ impl Table {
         match cells {
             Ok(cells) if cells.len() == self.names.len() => {
                 let id = self.id.and_then(|id| cell::to_json(&cells[id]));
-                let key = id.map(|id| Key::of_id(&id)).unwrap_or_else(|| {
-                    let row = self.names.iter().map(String::as_str).zip(&cells);
-                    Key::of_content(&of_content(row.collect()))
-                });
-                (key, self.scene_of(&cells))
+                let row = self.names.iter().map(String::as_str).zip(&cells);
+                let row = row.filter(|(name, _)| id.is_none() || *name != "id");
+                (Key::new(id.as_deref(), &of_content(row.collect())), self.scene_of(&cells))
             }
             cells => {
                 let wanted = self.names.len();
@@ -78,7 +76,7 @@ impl Table {
                     },
                 );
                 let text = String::from_utf8_lossy(line);
-                (Key::of_content(&of_content(json!(text.trim_end()))), Err(error))
+                (Key::new(None, &of_content(json!(text.trim_end()))), Err(error))
             }
         }
     }
