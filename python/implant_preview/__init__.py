@@ -1,17 +1,21 @@
 """How skin and adipose stretch over an implant or a tissue expander.
 
 Scenes and results are dictionaries with the fields of docs/formats.md (units in the names: mm, kPa, N, ml, mmHg); lists of numbers
-in results are NumPy arrays. Scenes may be JSON text too. Long calls hold no interpreter lock; Ctrl+C ends them.
+in results are NumPy arrays. Scenes may be JSON text too, and have numbers of NumPy, ``Decimal`` and ``Fraction``; a gap (``None``, a masked
+entry, NaN) raises :class:`SceneError` with its field. Long calls hold no interpreter lock; Ctrl+C ends them at once.
 
 An illustration from a simplified model, not a prediction for a person.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
+import operator
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import islice
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,19 +43,57 @@ __version__: str = _native.version()
 
 Scene = Mapping[str, Any] | str
 
+_MOST_THREADS = 1024
+
 # Scenes that are read ahead of the results, for each thread: none waits for the next scene.
 _AHEAD = 8
 
 
 def _text(value: Scene) -> str:
-    return value if isinstance(value, str) else json.dumps(value, default=_plain)
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{type(value).__name__} is no scene; allowed: a dictionary or JSON text")
+    try:
+        return json.dumps(value, default=_plain)
+    except TypeError as error:
+        raise TypeError(f"{_place(value)}{error}") from None
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and arrays of NumPy, as JSON has them."""
+    """Numbers and arrays of NumPy, ``Decimal`` and ``Fraction``, as JSON has them. What a mask hides is null, which a scene refuses."""
+    if isinstance(value, (np.longdouble, Decimal, Fraction)):
+        return float(value)
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
-    raise TypeError(f"{type(value).__name__} is no part of a scene; allowed: what JSON holds, NumPy numbers and arrays")
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"{type(value).__name__} is no part of a scene; allowed: what JSON holds, numbers, NumPy arrays")
+
+
+def _place(value: Any, path: str = "") -> str:
+    """The path of the first part that cannot become JSON, for a message."""
+    parts: Iterable[tuple[str, Any]] = ()
+    if isinstance(value, Mapping):
+        parts = ((f"{path}.{name}", part) for name, part in value.items())
+    elif isinstance(value, (list, tuple)):
+        parts = ((f"{path}[{k}]", part) for k, part in enumerate(value))
+    for name, part in parts:
+        try:
+            json.dumps(part, default=_plain)
+        except TypeError:
+            return _place(part, name)
+    return path.removeprefix(".") + ": " if path else ""
+
+
+def _threads(threads: int | None) -> int | None:
+    """A number of threads; numbers beyond the greatest one are limited."""
+    if threads is None:
+        return None
+    number = operator.index(threads)
+    if number < 1:
+        raise ValueError(f"threads is {number}; allowed: 1 to {_MOST_THREADS}, or None for one a core")
+    return min(number, _MOST_THREADS)
 
 
 def _columns(points: list[dict[str, float | None]]) -> dict[str, npt.NDArray[np.float64]]:
@@ -124,9 +166,20 @@ def solve_many(
 
     Yields a result for each scene, in the order of the scenes or, with ``in_order=False``, as they are ready. A result has
     ``index``, the place of its scene from 0, and ``id`` if the scene has one; a scene out of its limits has ``{"index", "id",
-    "error"}`` in its place, and the others go on.
+    "error"}`` in its place, and so has an entry that is no scene; the others go on. An exception of the producer comes after the results
+    of the scenes before it. A forked child cannot read on: it calls ``solve_many`` again.
+
+    ``threads``: 1 to 1024.
     """
-    pool = _native.Pool(threads, in_order, _paths(fields))
+    if isinstance(scenes, (str, bytes, bytearray, Mapping)):
+        raise TypeError("scenes is one scene; allowed: a list or another iterable of scenes (one scene: solve)")
+    return _results(iter(scenes), _threads(threads), in_order, _paths(fields))
+
+
+def _results(
+    scenes: Iterator[Scene], threads: int | None, in_order: bool, fields: list[str] | None
+) -> Iterator[dict[str, Any]]:
+    pool = _native.Pool(threads, in_order, fields)
     ahead = _AHEAD * (threads or os.cpu_count() or 1)
     ids: dict[int, Any] = {}
 
@@ -140,26 +193,45 @@ def solve_many(
             yield named(answer)
 
     answers = taken()
-    for count, scene in enumerate(scenes):
-        identity, text = _named(scene)
-        if identity is not None:
-            ids[count] = identity
-        pool.submit(text)
+    failure: Exception | None = None
+    for count in itertools.count():
+        try:
+            scene = next(scenes)
+        except StopIteration:
+            break
+        except Exception as error:  # noqa: BLE001 - of any producer: the results so far come first
+            failure = error
+            break
+        _submit(pool, scene, count, ids)
         if count >= ahead:
-            yield from islice(answers, 1)
+            yield from itertools.islice(answers, 1)
     pool.finish()
     yield from answers
+    if failure is not None:
+        raise failure
 
 
-def _named(scene: Scene) -> tuple[Any, str]:
-    """The ``id`` of a scene and its text."""
-    if not isinstance(scene, str):
-        return scene.get("id"), _text(scene)
+def _submit(pool: _native.Pool, scene: Scene, index: int, ids: dict[int, Any]) -> None:
+    """Queues a scene and notes its ``id``; an entry that is no scene has an error in its place."""
     try:
-        value = json.loads(scene) if '"id"' in scene else None
+        identity = _id(scene)
+        if identity is not None:
+            ids[index] = identity
+        pool.submit(_text(scene))
+    except (TypeError, ValueError, ArithmeticError, AttributeError, RecursionError) as error:
+        line = " ".join(str(error).split())
+        pool.refuse(line.encode("utf-8", "replace").decode())
+
+
+def _id(scene: Scene) -> Any:
+    """The ``id`` of a scene."""
+    if isinstance(scene, Mapping):
+        return scene.get("id")
+    try:
+        value = json.loads(scene) if isinstance(scene, str) and '"id"' in scene else None
     except ValueError:
         value = None
-    return (value.get("id") if isinstance(value, dict) else None), scene
+    return value.get("id") if isinstance(value, dict) else None
 
 
 def solve_matrix(
@@ -177,12 +249,19 @@ def solve_matrix(
     docs/command-line.md, ``--table``). ``values``: shape (scenes, names). ``outputs``: names of
     :func:`quantities`. Returns shape (scenes, outputs), NaN where a scene has no answer.
 
-    Raises :class:`SceneError` for an unknown name and for the first row out of its limits.
+    Raises :class:`SceneError` for an unknown name and for the first row that is out of its limits or has a gap, as a masked entry.
     """
-    matrix = np.ascontiguousarray(values, dtype=np.float64)
+    # A list may have masked rows.
+    is_masked = isinstance(values, (np.ma.MaskedArray, list, tuple))
+    matrix = np.ma.array(values, dtype=np.float64) if is_masked else np.asarray(values, dtype=np.float64)
     if matrix.ndim != 2:
         raise SceneError(f"values has {matrix.ndim} dimensions; allowed: 2, (scenes, names)")
-    return _native.matrix(_text(template), list(names), matrix, list(outputs), threads)
+    names = list(names)
+    for row, column in np.argwhere(np.ma.getmaskarray(matrix))[:1]:
+        name = names[column] if column < len(names) else f"column {column}"
+        raise SceneError(f"row {row} of values: {name} is masked; allowed: a number")
+    matrix = np.ascontiguousarray(np.ma.getdata(matrix))
+    return _native.matrix(_text(template), names, matrix, list(outputs), _threads(threads))
 
 
 def map(  # noqa: A001 - the name of the command
@@ -201,7 +280,7 @@ def map(  # noqa: A001 - the name of the command
     shape (y, x), with one axis (x,), NaN where a scene has no shape.
     """
     options = {"x": x, "y": y, "show": show} | ({} if grid is None else {"grid": grid})
-    found = _object(_native.map(_text(scene), _text(options), threads))
+    found = _object(_native.map(_text(scene), _text(options), _threads(threads)))
     rows = [axis["count"] for axis in reversed(found["axes"])]
     points = _columns([point["values"] for point in found["points"]])
     return found | {"values": {name: values.reshape(rows) for name, values in points.items()}}
@@ -214,7 +293,7 @@ def bands(scene: Scene, *, threads: int | None = None, **choices: Any) -> dict[s
     of the command ``bands``: ``bands`` with percentiles and ``importance``, the assumptions, and ``profile`` with the arrays ``s_mm`` of
     shape (points,) and ``r_mm``, ``z_mm`` of shape (points, 3): 10th, 50th and 90th percentile.
     """
-    report = _object(_native.bands(_text(scene), _text(choices), threads))
+    report = _object(_native.bands(_text(scene), _text(choices), _threads(threads)))
     return report | {"profile": _columns(report["profile"])}
 
 

@@ -1,8 +1,9 @@
 //! The native part of the Python module: scenes and results are JSON text, numbers of nodes are NumPy arrays.
 //!
-//! `implant_preview/__init__.py` has the functions that users call. Long calls hold no interpreter lock, and Ctrl+C ends them between
-//! two scenes.
+//! `implant_preview/__init__.py` has the functions that users call. Long calls hold no interpreter lock, and Ctrl+C ends them at once:
+//! all solves run on threads of their own, and the calling thread asks for signals while it waits.
 
+mod interrupt;
 mod pool;
 mod shape;
 mod studies;
@@ -14,6 +15,8 @@ use implant_preview_core::solve::Options;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 create_exception!(
@@ -36,6 +39,13 @@ fn failed(error: impl ToString) -> PyErr {
 /// The fields of a result by their paths; without: all.
 fn selection(fields: Option<Vec<String>>) -> PyResult<Selection> {
     fields.map_or_else(|| Ok(Selection::all()), |paths| Selection::of(&paths).map_err(refused))
+}
+
+/// A simulator whose solve ends at a stop.
+fn stoppable(stop: Arc<AtomicBool>) -> Simulator {
+    let mut simulator = Simulator::default();
+    simulator.stop = Some(stop);
+    simulator
 }
 
 /// Solves the text of a scene, with the solve's time.
@@ -69,16 +79,28 @@ mod _native {
     use super::shape::shape;
     #[pymodule_export]
     use super::studies::{bands, map, matrix};
-    use super::{PyResult, Python, Scene, Simulator, json, refused, scene, selection, simulated};
+    use super::{PyResult, Python, Scene, interrupt, json, refused, scene, selection};
+    use super::{simulated, stoppable};
     use implant_preview_core::study::Quantity;
-    use pyo3::pyfunction;
+    use numpy::{PyArray1, PyArrayMethods};
+    use pyo3::{Bound, pyfunction, types::PyModule};
+
+    /// Loads the interface of NumPy, which a pending interrupt would make a panic later.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let none = PyArray1::<f64>::zeros(module.py(), 0, false);
+        none.try_readonly()?;
+        Ok(())
+    }
 
     #[pyfunction]
-    fn solve(py: Python<'_>, scene: &str, fields: Option<Vec<String>>) -> PyResult<String> {
+    fn solve(py: Python<'_>, scene: String, fields: Option<Vec<String>>) -> PyResult<String> {
         let selection = selection(fields)?;
-        let solve = || simulated(&mut Simulator::default(), scene, &selection);
-        let found = py.detach(solve).map_err(refused)?;
-        Ok(json(&selection.of_outcome(&found.outcome)))
+        let solve = move |stop| -> Result<String, String> {
+            let found = simulated(&mut stoppable(stop), &scene, &selection)?;
+            Ok(json(&selection.of_outcome(&found.outcome)))
+        };
+        interrupt::run(py, solve)?.map_err(refused)
     }
 
     #[pyfunction]

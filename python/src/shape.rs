@@ -1,9 +1,8 @@
 //! The deformed shape of a scene: faces, triangles and the fields at their vertices.
 
-use super::{json, refused, solved};
+use super::{interrupt, json, refused, solved, stoppable};
 use implant_preview_core::measure::{Field, Fields, Selection, surfaces};
 use implant_preview_core::scene::CheckedScene;
-use implant_preview_core::simulate::Simulator;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,16 +28,16 @@ const OF_SKIN: [(&str, Field); 7] = [
 
 #[pyfunction]
 pub(crate) fn shape<'py>(py: Python<'py>, scene: &str) -> PyResult<Bound<'py, PyDict>> {
-    let scene = py.detach(|| CheckedScene::from_json(scene));
-    let scene = scene.map_err(refused)?;
-    let found = py.detach(|| solved(&mut Simulator::default(), &scene, &Selection::all()));
-    let all = py.detach(|| {
+    let scene = py.detach(|| CheckedScene::from_json(scene)).map_err(refused)?;
+    let solve = move |stop| {
+        let found = solved(&mut stoppable(stop), &scene, &Selection::all());
         let all = surfaces(&found.solution);
-        if scene.scene().is_right() { all.mirrored() } else { all }
-    });
-    let fields = Fields::new(found.solution);
+        let all = if scene.scene().is_right() { all.mirrored() } else { all };
+        (found.outcome, all, Fields::new(found.solution))
+    };
+    let (outcome, all, fields) = interrupt::run(py, solve)?;
     let answer = PyDict::new(py);
-    answer.set_item("result", json(&found.outcome))?;
+    answer.set_item("result", json(&outcome))?;
     let faces: Vec<f32> = all.positions.iter().flatten().flatten().copied().collect();
     let shape = [all.positions.len(), all.nodes.len(), 3];
     answer.set_item("points", PyArray1::from_vec(py, faces).reshape(shape)?)?;

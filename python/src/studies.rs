@@ -1,5 +1,6 @@
 //! Matrices of numbers, maps and bands.
 
+use super::interrupt::{self, Stop};
 use super::pool::threads;
 use super::{failed, json, refused};
 use implant_preview_core::scene::{Scene, read};
@@ -13,7 +14,12 @@ use pyo3::prelude::*;
 
 /// Runs a study to its end; a signal of the interpreter ends it.
 fn finish(py: Python<'_>, study: &mut (impl Study + Send), wanted: Option<usize>) -> PyResult<()> {
-    let work = |evaluator: &mut Evaluator, job: &Job| evaluator.evaluate(job);
+    let stop = Stop::default();
+    let flag = stop.flag();
+    let work = move |evaluator: &mut Evaluator, job: &Job| {
+        evaluator.stop_at(&flag);
+        evaluator.evaluate(job)
+    };
     py.detach(|| {
         let mut interrupt = None;
         let is_ended = || {
@@ -87,7 +93,10 @@ pub(crate) fn matrix<'py>(
     }
     let shape = [scenes.len(), quantities.len()];
     let settings = ManySettings::new(self::threads(threads));
+    let stop = Stop::default();
+    let flag = stop.flag();
     let work = move |evaluator: &mut Evaluator, scene: Scene| {
+        evaluator.stop_at(&flag);
         let case = evaluator.case(&scene, &Job::default());
         let value =
             |quantity: &Quantity| case.values.get(*quantity).filter(|_| case.is_converged());
@@ -95,7 +104,7 @@ pub(crate) fn matrix<'py>(
     };
     let mut rows = Many::new(scenes.into_iter(), settings, work).map_err(failed)?;
     let mut all = Vec::with_capacity(shape[0] * shape[1]);
-    while let Some(finished) = py.detach(|| rows.next()) {
+    while let Some(finished) = interrupt::next(py, |end| rows.next_until(end))? {
         py.check_signals()?;
         let row = finished.result.map_err(failed)?;
         all.extend(row);

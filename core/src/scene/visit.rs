@@ -22,16 +22,16 @@ pub const DATE: &str = "a date as 2026-01-31 (year-month-day), 1900 to 2199";
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Visit {
     /// The patient's number or initials, up to 40 characters in one line.
-    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub reference: String,
     /// Date of the visit, as 2026-01-31; 1900 to 2199.
-    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub date: String,
     /// The surgeon, up to 60 characters in one line.
-    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub surgeon: String,
     /// Remarks, up to 500 characters in up to 12 lines.
-    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub remarks: String,
     /// Schedule of the fills of an expander. Default: not stated.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,16 +44,20 @@ pub struct Visit {
 #[schemars(rename = "Visit")]
 pub(super) struct VisitFile {
     /// The patient's number or initials, up to 40 characters in one line.
+    #[serde(deserialize_with = "present")]
     reference: String,
     /// The side of the scene, as older files have it.
     #[serde(deserialize_with = "given")]
     #[schemars(with = "Side")]
     side: Option<Side>,
     /// Date of the visit, as 2026-01-31; 1900 to 2199.
+    #[serde(deserialize_with = "present")]
     date: String,
     /// The surgeon, up to 60 characters in one line.
+    #[serde(deserialize_with = "present")]
     surgeon: String,
     /// Remarks, up to 500 characters in up to 12 lines.
+    #[serde(deserialize_with = "present")]
     remarks: String,
     /// Schedule of the fills of an expander. Default: not stated.
     #[serde(deserialize_with = "given")]
@@ -366,7 +370,7 @@ mod tests {
         let left = file(r#","side":"left""#, of_visit).unwrap_err();
         assert_eq!(left, "visit.side is right; allowed: left, as `side` of the scene");
         assert!(file(r#","side":"up""#, "").unwrap_err().starts_with("side: unknown variant `up`"));
-        assert!(file(r#","side":null"#, "").unwrap_err().starts_with("side: "));
+        assert!(file(r#","side":null"#, "").unwrap_err().starts_with("side is null; allowed: "));
         let first = r#","side":"right","schema":"implant-preview/scene/1""#;
         assert!(file(first, "").unwrap_err().starts_with("side: the field belongs to"));
         assert_eq!(file("", "").unwrap().side, None);

@@ -6,6 +6,8 @@ use crate::scene::{CheckedScene, Scene};
 use crate::simulate::{Simulation, Simulator};
 use crate::solve::{Options, Solution};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Scenes that one solver computes one after the other. Scenes with equal layers share tables, scenes of one grid share
 /// the grids.
@@ -127,6 +129,11 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
+    /// Ends the solve that runs, and all further ones, once the flag is true.
+    pub fn stop_at(&mut self, flag: &Arc<AtomicBool>) {
+        self.simulator.stop = Some(Arc::clone(flag));
+    }
+
     /// As [`evaluate`].
     #[must_use]
     pub fn evaluate(&mut self, job: &Job) -> Vec<Case> {

@@ -5,6 +5,11 @@ use super::{Case, Finished, Job, Runner};
 use std::io;
 use std::num::NonZeroUsize;
 use std::sync::mpsc::{Sender, channel};
+use std::task::Poll;
+use std::time::{Duration, Instant};
+
+/// Time between two questions whether the run is ended.
+const BETWEEN: Duration = Duration::from_millis(50);
 
 /// Runs the jobs of a study on threads of its own, in bounded memory.
 ///
@@ -19,7 +24,8 @@ pub struct JobThreads<E> {
 }
 
 impl<E: FnMut() -> bool> JobThreads<E> {
-    /// Starts threads that run `work`, each with an `S` of its own. No result is taken once `is_ended` returns true.
+    /// Starts threads that run `work`, each with an `S` of its own. No result is taken once `is_ended` returns true, which is
+    /// asked before each result and while a job takes long.
     ///
     /// # Errors
     /// If the system starts no thread.
@@ -60,11 +66,16 @@ impl<E: FnMut() -> bool> Runner for JobThreads<E> {
     }
 
     fn next(&mut self) -> Option<Finished<Vec<Case>>> {
-        if self.taken == self.submitted || (self.is_ended)() {
+        if self.taken == self.submitted {
             return None;
         }
-        self.taken += 1;
-        self.cases.next()
+        while !(self.is_ended)() {
+            if let Poll::Ready(next) = self.cases.next_until(Some(Instant::now() + BETWEEN)) {
+                self.taken += 1;
+                return next;
+            }
+        }
+        None
     }
 
     fn workers(&self) -> usize {

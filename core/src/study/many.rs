@@ -6,7 +6,9 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::task::Poll;
 use std::thread::Builder;
+use std::time::Instant;
 
 /// How [`Many`] runs its jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,10 +147,9 @@ impl<T> Shared<T> {
     }
 }
 
-impl<T> Iterator for Many<T> {
-    type Item = Finished<T>;
-
-    fn next(&mut self) -> Option<Finished<T>> {
+impl<T> Many<T> {
+    /// Waits for a result until a time, without one as long as it takes; `Pending` if none is ready then.
+    pub fn next_until(&mut self, end: Option<Instant>) -> Poll<Option<Finished<T>>> {
         let Shared { is_ready, has_room, settings, .. } = &*self.0;
         let mut state = self.0.lock();
         loop {
@@ -158,12 +159,33 @@ impl<T> Iterator for Many<T> {
                 let (index, result) = entry.remove_entry();
                 state.read += 1;
                 has_room.notify_one();
-                return Some(Finished { index, result });
+                return Poll::Ready(Some(Finished { index, result }));
             }
             if is_cancelled || is_last && read == begun {
-                return None;
+                return Poll::Ready(None);
             }
-            state = is_ready.wait(state).unwrap_or_else(PoisonError::into_inner);
+            let Some(end) = end else {
+                state = is_ready.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Poll::Pending;
+            }
+            let waited = is_ready.wait_timeout(state, left);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
+
+impl<T> Iterator for Many<T> {
+    type Item = Finished<T>;
+
+    fn next(&mut self) -> Option<Finished<T>> {
+        match self.next_until(None) {
+            Poll::Ready(next) => next,
+            // Without an end the wait has a result.
+            Poll::Pending => None,
         }
     }
 }
@@ -183,6 +205,7 @@ mod tests {
     use crate::solve::Options;
     use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
     use std::sync::mpsc::channel;
+    use std::time::Duration;
 
     fn settings(threads: usize, in_order: bool, window: usize) -> ManySettings {
         let [threads, window] = [threads, window].map(|count| NonZeroUsize::new(count).unwrap());
@@ -251,6 +274,23 @@ mod tests {
         }
         drop(sender);
         assert!(many.next().is_none());
+    }
+
+    #[test]
+    fn a_wait_ends_at_its_time() {
+        let (sender, receiver) = channel::<usize>();
+        let mut many =
+            Many::new(receiver.into_iter(), settings(1, true, 9), |(): &mut (), job| job).unwrap();
+        let soon = || Some(Instant::now() + Duration::from_millis(20));
+        let start = Instant::now();
+        assert!(many.next_until(soon()).is_pending());
+        assert!(start.elapsed() >= Duration::from_millis(20));
+        sender.send(7).unwrap();
+        let Poll::Ready(Some(found)) = many.next_until(None) else { panic!("no result") };
+        assert_eq!(found.result.unwrap(), 7);
+        drop(sender);
+        let far = Some(Instant::now() + Duration::from_secs(60));
+        assert!(matches!(many.next_until(far), Poll::Ready(None)));
     }
 
     #[test]
