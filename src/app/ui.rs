@@ -382,8 +382,7 @@ impl App {
             let envelope = self.shared.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.shared.session, &self.shared.options);
             let bar = self.screen.view_bar_height;
-            let shown =
-                Shown { session, options, envelope, outlines: &[], bar, is_on_paper: false };
+            let shown = Shown { envelope, bar, ..Shown::new(session, options) };
             if session.has_no_shape() {
                 self.shared.viewport.show(ui, shown);
                 self.no_shape(ui, area, scene, layout);

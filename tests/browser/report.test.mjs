@@ -140,9 +140,11 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.match(words, /Not a medical device/);
     assert.match(words, /12 cm|12\.0 cm/);
     const names = await paper.locator("img").evaluateAll((images) => images.map((image) => image.alt));
-    assert.deepEqual(names, ["Picture of the plan", "Pins and plan side by side", "Cross-section"]);
-    for (const image of await paper.locator("img").all()) {
-      assert.ok(await image.evaluate((img) => img.complete && img.naturalWidth >= 1600));
+    const poses = ["From the front", "Three-quarter view", "From the patient's side"];
+    assert.deepEqual(names, [...poses, "Pins and plan side by side", "Cross-section"]);
+    assert.deepEqual(await paper.locator("figcaption").allTextContents(), poses);
+    for (const [k, image] of (await paper.locator("img").all()).entries()) {
+      assert.ok(await image.evaluate((img, least) => img.complete && img.naturalWidth >= least, k < 3 ? 900 : 1600));
     }
     assert.ok((await colours(paper.locator("img").first())) > 100);
     assert.ok((await colours(paper.locator("img").last())) > 10);
@@ -158,15 +160,31 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.equal(pages.length, 2, `${pages.length} pages`);
     pages.forEach((text, k) => assert.ok(text.includes(`page${k + 1}of2`), text));
     assert.ok(!pages[0].includes("Implantpreview·340ml,12cm") && pages[1].includes("Implantpreview·340ml,12cm"), pages[1]);
-    assert.match(words, /Most stretch, %\d+, (usual|high)\d+, usual/);
-    assert.match(words, /Reserve used, %\d+\d+/);
-    // On paper the words of the legend have at least 6.5 points: the picture has 460 points of the screen, its texts 11.5.
+    // A number is aligned to the right, its word has a column of its own.
+    const cells = (name) => paper.locator(".numbers tr").filter({ hasText: name }).locator("td").allTextContents();
+    const [, stretch, word] = await cells("Most stretch, %");
+    assert.ok(/^\d+$/.test(stretch) && /^(usual|high)$/.test(word), `${stretch} ${word}`);
+    assert.equal((await cells("Reserve used, %")).length, 5);
+    assert.equal(await paper.locator(".numbers td.number").first().evaluate((cell) => getComputedStyle(cell).textAlign), "right");
+    // The answers are words with bars: the word is larger than the figure.
+    assert.equal(await paper.locator(".answers svg").count(), 3);
+    const size = (place) => paper.locator(place).first().evaluate((text) => Number.parseFloat(getComputedStyle(text).fontSize));
+    assert.ok((await size(".verdict")) > 1.4 * (await size(".answers p:not(.verdict)")));
+    assert.match(await paper.locator(".implant").textContent(), /^Implant: round, 12 cm wide, 340 ml, projection [\d.]+ cm$/);
+    // On paper the words in the pictures have at least 5.5 points: a picture has so many points of the screen, its texts 11.5.
     await paper.emulateMedia({ media: "print" });
     await paper.setViewportSize({ width: 700, height: 1000 });
     const widths = await paper.locator("img").evaluateAll((images) => images.map((image) => image.getBoundingClientRect().width));
-    const points = [460, 620, 860].map((wide, k) => (0.75 * 11.5 * widths[k]) / wide);
+    const points = [270, 270, 270, 700, 860].map((wide, k) => (0.75 * 11.5 * widths[k]) / wide);
     assert.ok(points.every((size) => size > 5.5), `${points} points`);
     await paper.emulateMedia({ media: "screen" });
+    // The poses are the same whatever the screen shows.
+    await harness.control(page, "Front");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    const images = (html) => [...html.matchAll(/<figure><img [^>]*src="([^"]+)"/g)].map(([, address]) => address);
+    const again = images((await save(page, "Save report (HTML)…")).bytes.toString());
+    assert.ok(again.length === 3 && again.every((address, k) => address === images(report.bytes.toString())[k]), "the poses follow the camera");
     await paper.close();
 
     // All numbers of plan and pin as a table.

@@ -21,6 +21,8 @@ const LEVEL_HEIGHT: f32 = 0.22;
 const ASPECT: (f32, f32) = (0.2, 1.15);
 /// Room around a body seen from the front, for its nearer parts and the controls above \[-\].
 const FRONT_MARGIN: f32 = 1.08;
+/// Room around a body before a standing patient, whose nearer parts are larger \[-\].
+const STANDING_MARGIN: f32 = 1.12;
 /// Duration of [`Camera::fit`] \[s\].
 const EASE_SECONDS: f32 = 0.35;
 
@@ -50,6 +52,31 @@ pub enum View {
     All,
 }
 
+/// A standard pose of a standing patient, the head up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// From the front.
+    Front,
+    /// From the front, turned by 40° to the patient's side.
+    ThreeQuarter,
+    /// From the patient's side.
+    Side,
+}
+
+impl Standing {
+    /// All poses.
+    pub const ALL: [Self; 3] = [Self::Front, Self::ThreeQuarter, Self::Side];
+
+    /// Angle about the patient's upright axis from the side to the front \[radians\], clockwise seen from above.
+    fn azimuth(self) -> f32 {
+        match self {
+            Self::Front => -std::f32::consts::FRAC_PI_2,
+            Self::ThreeQuarter => 40.0_f32.to_radians() - std::f32::consts::FRAC_PI_2,
+            Self::Side => 0.0,
+        }
+    }
+}
+
 /// What a camera shows: a ball on the wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ball {
@@ -72,6 +99,8 @@ pub struct Camera {
     pose: Pose,
     ease: Option<Ease>,
     is_mirrored: bool,
+    /// Is the head up on the screen? Else the wall's normal is.
+    is_standing: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +123,28 @@ impl Camera {
     /// A three-quarter view of a ball on the wall.
     #[must_use]
     pub fn new(ball: impl Into<Ball>, aspect: f32) -> Self {
-        Self { pose: fitted(ball.into(), aspect), ease: None, is_mirrored: false }
+        Self {
+            pose: fitted(ball.into(), aspect),
+            ease: None,
+            is_mirrored: false,
+            is_standing: false,
+        }
+    }
+
+    /// A view of a ball on the wall of a standing patient, the whole ball in sight.
+    #[must_use]
+    pub fn standing(ball: impl Into<Ball>, aspect: f32, standing: Standing) -> Self {
+        let ball = ball.into();
+        let target = Vec3::new(0.0, 0.0, LEVEL_HEIGHT * ball.radius_mm + ball.middle_mm);
+        let half_angle = (0.5 * FIELD_OF_VIEW).tan() * aspect.clamp(ASPECT.0, 1.0);
+        let distance = STANDING_MARGIN * ball.radius_mm / half_angle;
+        let pose = Pose { target, azimuth: standing.azimuth(), elevation: 0.0, distance };
+        Self { pose, is_standing: true, ..Self::new(ball, aspect) }
+    }
+
+    /// A direction of the frame of azimuth and elevation in the world.
+    fn turned(&self, v: Vec3) -> Vec3 {
+        if self.is_standing { Vec3::new(v.x, v.z, -v.y) } else { v }
     }
 
     /// Shows the mirror image in the patient's plane of symmetry: of a left breast a right one. Poses, rays and points stay those of
@@ -271,7 +321,8 @@ impl Camera {
     pub fn eye(&self) -> Vec3 {
         let (sin_a, cos_a) = self.pose.azimuth.sin_cos();
         let (sin_e, cos_e) = self.pose.elevation.sin_cos();
-        self.pose.target + self.pose.distance * Vec3::new(cos_e * cos_a, cos_e * sin_a, sin_e)
+        let back = self.turned(Vec3::new(cos_e * cos_a, cos_e * sin_a, sin_e));
+        self.pose.target + self.pose.distance * back
     }
 
     /// World directions of the screen's right and up.
@@ -286,7 +337,7 @@ impl Camera {
     pub fn light(&self) -> (Vec3, Vec3) {
         let forward = (self.pose.target - self.eye()).normalize();
         let (sin_a, cos_a) = self.pose.azimuth.sin_cos();
-        let right = Vec3::new(-sin_a, cos_a, 0.0);
+        let right = self.turned(Vec3::new(-sin_a, cos_a, 0.0));
         (right, right.cross(forward))
     }
 
@@ -487,6 +538,32 @@ mod tests {
         assert!(camera.pose().distance < 0.6 * Camera::new(80.0, 1.5).pose().distance);
         // Away from the tissue nothing holds.
         assert!((camera.zoom_outside(0.5, at, 1.5, radius, height) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_standing_patient_has_the_head_up_and_the_whole_body_in_sight() {
+        let (radius, aspect) = (120.0, 0.85);
+        let seen = |standing, point: Vec3| {
+            let camera = Camera::standing(radius, aspect, standing);
+            camera.project(point, aspect).expect("in front of the eye")
+        };
+        for standing in Standing::ALL {
+            let [head, feet] = [Vec3::Y, -Vec3::Y].map(|d| seen(standing, radius * d));
+            assert!(head.y > 0.5 && feet.y < -0.5 && head.x.abs() < 0.6, "{standing:?}");
+            for k in 0..72 {
+                let rim = Vec2::from_angle(5.0_f32.to_radians() * k as f32) * radius;
+                for point in [rim.extend(0.0), 0.5 * Vec3::Z * radius] {
+                    let at = seen(standing, point);
+                    assert!(at.abs().max_element() < 1.0, "{standing:?}: {point} at {at}");
+                }
+            }
+        }
+        // The patient's left side is at the right, and seen from there the front of the chest is at the left.
+        assert!(seen(Standing::Front, Vec3::X * radius).x > 0.5);
+        let front = seen(Standing::Side, Vec3::Z * radius) - seen(Standing::Side, Vec3::ZERO);
+        assert!(front.x < -0.5 && front.y.abs() < 1e-5, "{front}");
+        let turned = |point| seen(Standing::ThreeQuarter, point);
+        assert!(turned(Vec3::X * radius).x > 0.2 && turned(Vec3::Z * radius).x < 0.0);
     }
 
     #[test]

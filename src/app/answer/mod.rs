@@ -1,11 +1,13 @@
 //! The answer: what happens to the tissue, as three cards, in one sentence, and in words for screen readers. The words
 //! and limits of all of them are those of [`bands`].
 //!
-//! `cards` (figures and words of the cards) | `draw` (the cards on the screen).
+//! `cards` (figures and words of the cards) | `bar` (their bars without a toolkit), `draw` (the cards on the screen).
 
+mod bar;
 mod cards;
 mod draw;
 
+pub(super) use bar::Bar;
 pub(super) use draw::band_color;
 
 use super::device::Device;
@@ -128,6 +130,12 @@ pub(super) fn rows(
         ]
     };
     cards.into_iter().map(row).collect()
+}
+
+/// The bars of the cards, in the order of [`rows`].
+pub(super) fn bars(session: &Session, findings: Option<&Findings>) -> [Bar; 3] {
+    let cards = cards(&answer(session, PreviousResults::Shown), findings);
+    cards.each_ref().map(Bar::of)
 }
 
 /// Shows warnings, which apply to all numbers.

@@ -313,11 +313,12 @@ fn cell(ui: &mut Ui, cell: &Cell) {
     }
 }
 
-/// The table as texts, heads first, with the words of the cards; a band stands in brackets.
+/// The table as texts, a row each of the name and of cells: number and word. Heads first, with the words of the cards; a band stands
+/// in brackets.
 pub(in crate::app) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
-) -> Vec<Vec<String>> {
+) -> Vec<(String, Vec<[String; 2]>)> {
     // A pin of this plan stands in its column.
     let is_equal = |pin: &Pin| pin.scene().is_same_plan(session.scene());
     let own = session.pins().iter().find(|pin| is_equal(pin));
@@ -329,24 +330,29 @@ pub(in crate::app) fn rows<'a>(
             name => format!("{letter}: {name}"),
         }
     });
-    let head = ["".to_owned(), format!("{}{own}", tr("this plan"))].into_iter().chain(pins);
-    let head = head.collect();
+    let head = [format!("{}{own}", tr("this plan"))].into_iter().chain(pins);
+    let head = (String::new(), head.map(|text| [text, String::new()]).collect());
     let is_printed: Vec<bool> =
         [true].into_iter().chain(session.pins().iter().map(|pin| !is_equal(pin))).collect();
-    let cell = |cell: Cell| {
-        let word = cell.word.map(|word| format!(", {word}"));
-        let band = cell.band.map(|band| format!(" ({band})"));
-        format!("{}{}{}", cell.text, word.unwrap_or_default(), band.unwrap_or_default())
+    let is_number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || "−–".contains(c));
+    let cell = |Cell { text, word, band }: Cell| {
+        let band = band.map_or_else(String::new, |band| format!(" ({band})"));
+        [format!("{text}{band}"), word.unwrap_or_default().to_owned()]
     };
     let row = |line: Line| {
         let cells = line.cells.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
-        [line.name].into_iter().chain(cells.map(|(of, _)| cell(of))).collect()
+        (line.name, cells.map(|(of, _)| cell(of)).collect())
     };
+    // A value that is a word stands with the words.
     let given = differing::rows(session).into_iter().map(|(name, values)| {
         let values = values.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
-        [name].into_iter().chain(values.map(|(value, _)| value)).collect::<Vec<_>>()
+        let cells = values.map(|(text, _)| match is_number(&text) {
+            true => [text, String::new()],
+            false => [String::new(), text],
+        });
+        (name, cells.collect::<Vec<_>>())
     });
-    let given: Vec<Vec<String>> = given.collect();
+    let given: Vec<_> = given.collect();
     let numbers = lines(session, false, sampled).into_iter().map(row);
     [head].into_iter().chain(given).chain(numbers).collect()
 }
@@ -409,19 +415,22 @@ mod tests {
         while session.advance(&mut || false) == Progress::Working {}
         let outcome = session.result().unwrap();
         let rows = rows(&session, &|_| None);
-        let cell = |name: &str| rows.iter().find(|row| row[0] == name).unwrap()[1].clone();
+        let cell = |name: &str| {
+            let (_, cells) = rows.iter().find(|(of, _)| of == name).unwrap();
+            cells[0].clone()
+        };
         let strain = outcome.strain.as_ref().unwrap().max_principal;
         let reserve = outcome.skin_reserve_used.unwrap();
         let (band, word) = bands::stretch(strain, Some(reserve));
         // The reserve decides, not the strain alone.
         assert!(band > 0 && bands::strain_word(strain) == "usual", "{strain} {reserve}");
-        assert_eq!(cell("Most stretch, %"), format!("{:.0}, {word}", 100.0 * strain));
-        assert_eq!(cell("Reserve used, %"), format!("{:.0}", 100.0 * reserve));
-        assert!(cell("Most pressure, mmHg").ends_with(", usual"), "{rows:?}");
+        assert_eq!(cell("Most stretch, %"), [format!("{:.0}", 100.0 * strain), word.to_owned()]);
+        assert_eq!(cell("Reserve used, %"), [format!("{:.0}", 100.0 * reserve), String::new()]);
+        assert_eq!(cell("Most pressure, mmHg")[1], "usual", "{rows:?}");
         // A pin of this plan is its column.
         session.apply(Command::Pin).unwrap();
         let rows = super::rows(&session, &|_| None);
-        assert_eq!(rows[0], ["", "this plan = A"]);
-        assert!(rows.iter().all(|row| row.len() == 2), "{rows:?}");
+        assert_eq!(rows[0].1, [["this plan = A", ""]]);
+        assert!(rows.iter().all(|(_, cells)| cells.len() == 1), "{rows:?}");
     }
 }

@@ -32,7 +32,7 @@ use super::theme;
 use super::widgets::quantity::{format_at_most, significant};
 use super::widgets::{Control, ControlResponse};
 use crate::app::texts::{self, fixed, tr};
-use crate::clinical::Dimension;
+use crate::clinical::{Dimension, Size};
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
@@ -82,6 +82,21 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// The implant of a device in a line with the maker's name, as "Implant RD-275: round, 12 cm wide, 275 ml, projection 4.3 cm".
+pub(super) fn implant_in_words(scene: &Scene, device: Device) -> String {
+    let implant = &scene.implant;
+    let words = |mm: f64| format_at_most(cm(mm), 0, 1);
+    let name = [device.words(tr("Implant")), scene.implant_reference.trim().to_owned()].join(" ");
+    tr!(
+        "{name}: {shape}, {width} cm wide, {volume:.0} ml, projection {projection} cm",
+        name = name.trim_end(),
+        shape = shape_in_words(scene),
+        width = words(2.0 * implant.base_radius_mm),
+        volume = implant.size().map_or(0.0, Size::volume_ml),
+        projection = words(implant.projection_mm)
+    )
 }
 
 /// The Poisson ratios of the layers in a sentence, for the technical details.

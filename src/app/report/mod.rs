@@ -1,8 +1,9 @@
 //! Picture and report: the composed picture as PNG or in the clipboard, and one HTML file with pictures, plan, results and
 //! the plan's file. The report loads nothing and runs no script.
 //!
-//! `offscreen` (pictures of contents that are not on the screen) | `figure` (the composed picture), `page` (the HTML).
+//! `offscreen` (pictures of contents that are not on the screen) | `figure` (the composed picture), `page` (the HTML), `answers` (its bars).
 
+mod answers;
 mod figure;
 mod offscreen;
 mod page;
@@ -15,23 +16,24 @@ use super::range::Range;
 use super::shared::Shared;
 use super::theme::SPACE;
 use super::uncertainty::Findings;
-use super::viewport::Shown;
+use super::viewport::{Options, Shown};
 use super::{files, no_answer, plan, plots, status};
 use crate::app::texts::{self, tr};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::study::volume_and_width;
+use crate::view::camera::Standing;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
 use page::{Page, Picture};
 
 const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
      alone.";
-/// Sizes of the report's pictures \[points\] with their pixels per point: of the plan, of plan and pins side by side, of the
-/// cross-section, of cross-section and range of half the page's width. On paper the plan has half the page's width and the pins three
-/// quarters: the texts of a broader picture would be too small to read.
-const PLAN: (Vec2, f32) = (vec2(460.0, 330.0), 3.5);
-const PINS: (Vec2, f32) = (vec2(620.0, 330.0), 3.0);
+/// Sizes of the report's pictures \[points\] with their pixels per point: of a standard pose, a third of the page's width on paper, of plan
+/// and pins side by side, of the cross-section, of cross-section and range of half the page's width. The texts of a broader picture would
+/// be too small to read.
+const POSE: (Vec2, f32) = (vec2(270.0, 260.0), 3.5);
+const PINS: (Vec2, f32) = (vec2(700.0, 180.0), 2.5);
 const SECTION: (Vec2, f32) = (vec2(860.0, 260.0), 2.0);
 const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
 /// Pixels per point of the composed picture.
@@ -53,7 +55,7 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
         origin: format!("{} · {}", origin(), status::model(session.scene())),
     };
     let envelope = uncertainty.envelope().unwrap_or_default();
-    let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
+    let shown = Shown { envelope, is_on_paper: true, ..Shown::new(session, options) };
     viewport.aside(|viewport| {
         let gl = viewport.graphics()?;
         offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
@@ -68,10 +70,15 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
 
 /// The pictures of the report with what belongs to them.
 fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
-    let Shared { session, options, compare, uncertainty, viewport, choices, .. } = shared;
-    let (session, options, compare, device) = (&*session, &*options, &*compare, choices.device);
-    let envelope = uncertainty.envelope().unwrap_or_default();
-    let shown = Shown { session, options, envelope, outlines: &[], bar: 0.0, is_on_paper: true };
+    let Shared { session, compare, uncertainty, viewport, choices, .. } = shared;
+    let (session, compare, device) = (&*session, &*compare, choices.device);
+    // The same views in every report, whatever the screen shows.
+    let options = Options::natural();
+    let standing = |standing| Shown {
+        is_on_paper: true,
+        standing: Some(standing),
+        ..Shown::new(session, &options)
+    };
     // A pin of this plan is its picture.
     let is_other = |pin: &&Pin| !pin.scene().is_same_plan(session.scene());
     let has_pins = session.pins().iter().filter(is_other).any(|pin| pin.solution().is_some());
@@ -79,46 +86,50 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
     let range = range.for_report(session);
     viewport.aside(|viewport| {
         let gl = viewport.graphics()?;
-        let mut pictures = Vec::new();
-        let mut take = |name: &str, size, add: &mut dyn FnMut(&mut Ui)| {
+        let take = |name: &str, size, add: &mut dyn FnMut(&mut Ui)| {
             let image = offscreen::picture(&gl, device, size, add)?;
             let address = page::data_address(&png_of(&image)?);
-            let is_half = size == HALF;
             let name = device.words(name);
-            pictures.push(Picture { name, address, caption: String::new(), is_half });
-            Ok::<(), String>(())
+            Ok::<Picture, String>(Picture { name, address, caption: String::new() })
         };
+        let mut poses = Vec::new();
         if no_answer::has_picture(session) {
-            take(tr("Picture of the plan"), PLAN, &mut |ui| viewport.show(ui, shown))?;
+            let names =
+                [tr("From the front"), tr("Three-quarter view"), tr("From the patient's side")];
+            for (pose, name) in Standing::ALL.into_iter().zip(names) {
+                poses.push(take(name, POSE, &mut |ui| viewport.show(ui, standing(pose)))?);
+            }
         }
+        let mut pins = None;
         if has_pins {
+            let shown = standing(Standing::ThreeQuarter);
             let name = tr("Pins and plan side by side");
-            take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?;
+            pins = Some(take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?);
         }
         let size = if range.is_ok() { HALF } else { SECTION };
-        take(tr("Cross-section"), size, &mut |ui| {
+        let section = take(tr("Cross-section"), size, &mut |ui| {
             egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
                 plots::section_chart(ui, session, compare, section, size.0.y - 48.0);
             });
         })?;
+        let mut further = vec![section];
         let mut range = match range {
             Ok(range) => range,
             Err(how) => {
-                return Ok(Pictures { pictures, missing: Some(how), accuracy: String::new() });
+                let (missing, accuracy) = (Some(how), String::new());
+                return Ok(Pictures { poses, pins, further, missing, accuracy });
             }
         };
         let [title, caption] = [&range.title, &range.caption].map(|text| device.words(text));
-        take(&title, HALF, &mut |ui| {
+        let chart = take(&title, HALF, &mut |ui| {
             egui::Frame::new().inner_margin(SPACE).show(ui, |ui| range.show(ui));
         })?;
-        if let Some(picture) = pictures.last_mut() {
-            picture.caption = caption;
-        }
+        further.push(Picture { caption, ..chart });
         let accuracy = match range.accuracy.as_str() {
             "" => String::new(),
             words => tr!("Range of implants: {words}", words),
         };
-        Ok(Pictures { pictures, missing: None, accuracy })
+        Ok(Pictures { poses, pins, further, missing: None, accuracy })
     })
 }
 
@@ -131,13 +142,17 @@ pub(super) fn report(
     range: &mut Range,
     filling: &Filling,
 ) -> Result<String, String> {
-    let Pictures { pictures, missing, accuracy } = pictures(shared, range)?;
+    let Pictures { poses, pins, further, missing, accuracy } = pictures(shared, range)?;
     let Shared { session, choices, uncertainty, volume_marks, .. } = &*shared;
     let device = choices.device;
     let findings = uncertainty.findings();
     let sampled = |scene: &_| uncertainty.values(scene);
+    let bars = answer::bars(session, findings);
     let page = Page {
-        pictures,
+        poses,
+        pins,
+        further,
+        implant: plan::implant_in_words(session.scene(), device),
         missing: missing.map(|how| device.words(how)),
         visit: plan::visit_in_words(session.scene()),
         running: running_head(session.scene()),
@@ -154,7 +169,7 @@ pub(super) fn report(
         .into_iter()
         .filter(|words| !words.is_empty())
         .collect(),
-        cards: cards(session, device, findings),
+        answers: cards(session, device, findings).into_iter().zip(bars).collect(),
         remarks: remarks(session, device),
         table: compare::rows(session, &sampled),
         bands: uncertainty.about_bands(),
@@ -167,7 +182,11 @@ pub(super) fn report(
 
 /// The pictures of a report.
 struct Pictures {
-    pictures: Vec<Picture>,
+    /// The plan in the standard poses; none without a shape.
+    poses: Vec<Picture>,
+    pins: Option<Picture>,
+    /// Cross-section and chart of the range.
+    further: Vec<Picture>,
     /// How to get a picture that is missing.
     missing: Option<&'static str>,
     /// Grid and accuracy of the chart of the range; may be empty.

@@ -23,7 +23,7 @@ use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::body::Body;
-use crate::view::camera::{Ball, Camera, View};
+use crate::view::camera::{Ball, Camera, Standing, View};
 use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
@@ -62,6 +62,23 @@ pub(crate) struct Shown<'a> {
     pub(crate) bar: f32,
     /// On paper a pin of the same plan has no picture of its own.
     pub(crate) is_on_paper: bool,
+    /// A standard pose in place of the camera's.
+    pub(crate) standing: Option<Standing>,
+}
+
+impl<'a> Shown<'a> {
+    /// A session with nothing over its picture.
+    pub(crate) fn new(session: &'a Session, options: &'a Options) -> Self {
+        Self {
+            session,
+            options,
+            envelope: &[],
+            outlines: &[],
+            bar: 0.0,
+            is_on_paper: false,
+            standing: None,
+        }
+    }
 }
 
 /// The 3-D view with its camera.
@@ -221,6 +238,10 @@ impl Viewport {
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
         self.place_camera(wall::ball(session.problem()), area.width() / area.height());
+        if let Some(standing) = shown.standing {
+            let ball = wall::ball(session.problem());
+            self.camera = Camera::standing(ball, self.aspect, standing);
+        }
         self.camera.mirror(session.scene().is_right());
         let section = section_of(options, session.problem());
         let start = self.start;

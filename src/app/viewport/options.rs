@@ -25,6 +25,11 @@ pub(crate) struct Options {
 }
 
 impl Options {
+    /// Natural skin, uncut, with its areola.
+    pub(crate) fn natural() -> Self {
+        Self { quantity: Quantity::Tissue, section: false, ..Self::default() }
+    }
+
     /// The switch of the areola for the present colours.
     pub(crate) fn areola_mut(&mut self) -> &mut bool {
         match self.quantity {

@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::Problem;
 use crate::study::size_in_words;
-use crate::view::camera::Ball;
+use crate::view::camera::{Ball, Camera};
 use crate::view::color::{Quantity, Rgb, Scale};
 use crate::view::picture::Picture;
 use crate::view::side_by_side::{Colours, Limited};
@@ -50,6 +50,9 @@ impl Viewport {
             self.is_placed = false;
         }
         self.place_camera(ball, own_area.width() / own_area.height());
+        if let Some(standing) = shown.standing {
+            self.camera = Camera::standing(ball, self.aspect, standing);
+        }
 
         let own = self.interact(ui, own_area);
         let responses: Vec<Response> =

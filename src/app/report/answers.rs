@@ -1,0 +1,117 @@
+//! The answers of a report: a word, a figure and a bar each.
+
+use super::page::{escaped, put};
+use crate::app::answer::Bar;
+use crate::view::color::Rgb;
+use std::fmt::Write as _;
+
+/// Size of a bar \[units of the drawing\], and height of its numbers.
+const WIDTH: f64 = 240.0;
+const HEIGHT: f64 = 28.0;
+const NUMBERS: f64 = 10.0;
+/// Top and height of the coloured parts.
+const TOP: f64 = 8.0;
+const THICK: f64 = 8.0;
+
+pub(super) const STYLE: &str = ".answers{display:flex;flex-wrap:wrap;gap:6px 24px}.answers>div{flex:1 1 190px;min-width:0;break-inside:avoid}\
+    .answers h3{font-size:inherit;margin:0}.answers p{margin:1px 0}.answers svg{display:block;width:98%;max-width:300px}\
+    .verdict{font-size:1.6em;font-weight:700;line-height:1.2}.verdict.none{font-size:1.1em;font-weight:400;color:#666}.band1{color:#8f5600}.band2,.band3{color:#a8201a}";
+
+/// The answers: title, figure, word, further line of each, with its bar.
+pub(super) fn answers(page: &mut String, answers: &[([String; 4], Bar)]) {
+    page.push_str("<div class=\"answers\">");
+    for ([title, figure, word, line], bar) in answers {
+        page.push_str("<div>");
+        put(page, "h3", title);
+        let class = bar.band.map_or_else(|| "none".to_owned(), |band| format!("band{band}"));
+        let _ = write!(page, "<p class=\"verdict {class}\">{}</p>", escaped(word));
+        put(page, "p", figure);
+        draw(page, bar);
+        let _ = write!(page, "<p class=\"quiet\">{}</p></div>", escaped(line));
+    }
+    page.push_str("</div>");
+}
+
+/// Draws a bar; the texts around say what it shows.
+fn draw(page: &mut String, bar: &Bar) {
+    let at = |share: f64| WIDTH * share;
+    let _ = write!(page, "<svg aria-hidden=\"true\" viewBox=\"0 0 {WIDTH} {HEIGHT}\">");
+    let mut from = 0.0;
+    for (to, colour) in &bar.parts {
+        let (x, width) = (at(from), at(to - from));
+        let _ = write!(
+            page,
+            "<rect x=\"{x:.1}\" y=\"{TOP}\" width=\"{width:.1}\" height=\"{THICK}\" fill=\"{}\"/>",
+            hex(*colour)
+        );
+        from = *to;
+    }
+    let frame = "fill=\"none\" stroke=\"#667\" stroke-width=\".7\"";
+    let _ = write!(
+        page,
+        "<rect x=\".4\" y=\"{TOP}\" width=\"{:.1}\" height=\"{THICK}\" {frame}/>",
+        WIDTH - 0.8
+    );
+    // The next limit may be too close for its number.
+    let mut free = f64::NEG_INFINITY;
+    for (limit, text) in &bar.limits {
+        let (x, half) = (at(*limit), 0.3 * NUMBERS * text.chars().count() as f64);
+        if x - half < free {
+            continue;
+        }
+        free = x + half + 3.0;
+        let _ = write!(
+            page,
+            "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"{NUMBERS}\" text-anchor=\"middle\" fill=\"#555\">{}</text>",
+            HEIGHT - 2.0,
+            escaped(text)
+        );
+    }
+    if let Some([low, high]) = bar.range {
+        let _ = write!(
+            page,
+            "<path d=\"M{:.1} {y}H{:.1}\" stroke=\"#222\" stroke-width=\"2\"/>",
+            at(low),
+            at(high),
+            y = TOP - 4.0
+        );
+    }
+    if let Some(x) = bar.value.map(at) {
+        let _ = write!(
+            page,
+            "<path d=\"M{x:.1} {:.1}l-5 -9h10z\" fill=\"#222\" stroke=\"#fff\" stroke-width=\".8\"/>",
+            TOP + 3.0
+        );
+    }
+    page.push_str("</svg>");
+}
+
+fn hex(colour: Rgb) -> String {
+    let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
+    let [r, g, b] = colour.map(byte);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_has_its_word_and_a_bar_with_limits_and_mark() {
+        let bar = Bar {
+            parts: vec![(0.5, [1.0, 0.0, 0.0]), (1.0, [0.0, 0.0, 1.0])],
+            limits: vec![(0.5, "80 %".to_owned()), (0.51, "81 %".to_owned())],
+            value: Some(0.25),
+            range: None,
+            band: Some(1),
+        };
+        let mut page = String::new();
+        let texts = ["Skin stretch", "18 % longer", "high", "a < b"].map(str::to_owned);
+        answers(&mut page, &[(texts, bar)]);
+        assert!(page.contains("<p class=\"verdict band1\">high</p>"), "{page}");
+        assert!(page.contains("a &lt; b") && page.contains("fill=\"#ff0000\""), "{page}");
+        assert!(page.contains("x=\"120.0\" y=\"26.0\"") && page.contains(">80 %<"), "{page}");
+        assert!(!page.contains("81 %"), "over the limit before");
+        assert!(page.contains("M60.0 11.0l"), "the mark at a quarter: {page}");
+    }
+}
