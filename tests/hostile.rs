@@ -383,7 +383,7 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
         (String::new(), &["scene: is empty", "allowed: one JSON object"]),
         (" \r\n\t".to_owned(), &["scene: is empty"]),
         ("\0\0\0".to_owned(), &["scene", "line 1 column 1"]),
-        ("null".to_owned(), &["scene", "expected one JSON object"]),
+        ("null".to_owned(), &["scene is null", "allowed: one JSON object"]),
         ("\u{feff}\u{feff}{}".to_owned(), &["scene", "line 1 column 1"]),
         (deep("[", "]"), &["scene", "allowed: one JSON object"]),
         (deep(r#"{"implant":"#, "}"), &["implant", "unknown field `implant`"]),

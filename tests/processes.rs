@@ -50,6 +50,7 @@ fn a_closed_output_is_an_error_and_an_empty_one_is_not() {
         "simulate --template t.json --table table.csv",
         "bands t.json --samples 16 --nodes 17 --importance 0",
         "schema",
+        "curve curve.csv",
         "--help",
         "simulate --help",
         "--version",
@@ -82,6 +83,7 @@ fn a_closed_input_is_an_error_and_an_empty_one_has_no_scene() {
         "simulate --template t.json --table -",
         "map - --out-dir map",
         "bands -",
+        "curve -",
     ] {
         let found = ending(&folder, &format!("exec \"$P\" {arguments} <&-"));
         let line = "error: standard input: cannot be read: it is closed\n";
