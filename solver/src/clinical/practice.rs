@@ -3,7 +3,6 @@
 //!
 //! The table is data with a source: a clinic edits it as a CSV ([`PracticeTable::to_csv`], [`PracticeTable::from_csv`]).
 
-use super::practice_csv::{SOURCE_CHARACTERS, read, write};
 use super::{Measurements, SkinClass};
 
 /// Step of the rule \[ml\]: volumes within a step of practice's are those of practice.
@@ -197,20 +196,6 @@ impl PracticeVolume {
 }
 
 impl PracticeTable {
-    /// Reads a table; the format is described in `docs/formats.md`.
-    ///
-    /// # Errors
-    /// One line with the number of the line, what is wrong and what is allowed.
-    pub fn from_csv(text: &str) -> Result<Self, String> {
-        read(text)
-    }
-
-    /// The table as a CSV that [`Self::from_csv`] reads.
-    #[must_use]
-    pub fn to_csv(&self) -> String {
-        write(self)
-    }
-
     /// Where the numbers come from, in up to 300 characters.
     #[must_use]
     pub fn source(&self) -> &str {
@@ -279,6 +264,9 @@ impl PracticeTable {
         Some(low + (high - low) * (base_width_mm - from) / (to - from))
     }
 }
+
+/// Greatest length of the source \[characters\].
+const SOURCE_CHARACTERS: usize = 300;
 
 /// A source as it stands in a table: one line of up to [`SOURCE_CHARACTERS`].
 pub(super) fn source_of(text: &str) -> String {

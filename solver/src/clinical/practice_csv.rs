@@ -12,8 +12,6 @@ use std::fmt::Write as _;
 
 /// Greatest number of rows.
 const MAX_ROWS: usize = 200;
-/// Greatest length of the source \[characters\].
-pub(super) const SOURCE_CHARACTERS: usize = 300;
 /// Allowed start volumes and corrections \[ml\].
 const START_ML: (f64, f64) = (100.0, 1500.0);
 const CORRECTION_ML: (f64, f64) = (-90.0, 300.0);
@@ -41,7 +39,23 @@ pub fn is_practice_table(text: &str) -> bool {
     })
 }
 
-pub(super) fn read(text: &str) -> Result<PracticeTable, String> {
+impl PracticeTable {
+    /// Reads a table; the format is described in `docs/formats.md`.
+    ///
+    /// # Errors
+    /// One line with the number of the line, what is wrong and what is allowed.
+    pub fn from_csv(text: &str) -> Result<Self, String> {
+        read(text)
+    }
+
+    /// The table as a CSV that [`Self::from_csv`] reads.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        write(self)
+    }
+}
+
+fn read(text: &str) -> Result<PracticeTable, String> {
     let text = text.trim_start_matches('\u{feff}');
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let (first, header) = lines.next().ok_or_else(|| format!("no line; {ALLOWED}"))?;
@@ -167,7 +181,7 @@ fn separator(header: &str) -> char {
     [';', '\t'].into_iter().find(|separator| header.contains(*separator)).unwrap_or(',')
 }
 
-pub(super) fn write(table: &PracticeTable) -> String {
+fn write(table: &PracticeTable) -> String {
     let mut text = format!("{};{SOURCE}\n", COLUMNS.join(";"));
     let mut source = format!("\"{}\"", table.source.replace('"', "\"\""));
     let mut line = |row: String| {
