@@ -28,6 +28,7 @@ __all__ = [
     "SceneError",
     "Shape",
     "bands",
+    "curve",
     "default_scene",
     "map",
     "opening_scene",
@@ -295,6 +296,37 @@ def bands(scene: Scene, *, threads: int | None = None, **choices: Any) -> dict[s
     """
     report = _object(_native.bands(_text(scene), _text(choices), _threads(threads)))
     return report | {"profile": _columns(report["profile"])}
+
+
+def curve(
+    path_or_table: str | os.PathLike[str] | bytes | npt.ArrayLike, unit: str | None = None, strain: str | None = None
+) -> dict[str, Any]:
+    """The curve of a raw tensile test.
+
+    ``path_or_table``: the path of a table of any locale, its bytes, or an array of shape (samples, 2), strains and stresses.
+    ``unit``: of the stresses, ``"kpa"``, ``"mpa"`` or ``"pa"``; ``strain``: ``"fraction"`` or ``"percent"``; default: by the header, else by
+    the size of the numbers (docs/command-line.md, ``curve``).
+
+    Returns ``curve`` (for ``layers[k].curve`` of a scene), ``notes`` (what was recognised, left out and converted), ``rms_kpa`` (distance of
+    the samples from the curve) and ``samples`` of shape (samples, 2): strain [-], stress [kPa].
+
+    Raises :class:`SceneError` with one line for a table that is no test.
+    """
+    if isinstance(path_or_table, bytes):
+        content = path_or_table
+    elif isinstance(path_or_table, (str, os.PathLike)):
+        with open(path_or_table, "rb") as file:
+            content = file.read()
+    else:
+        table = np.ma.filled(np.ma.asarray(path_or_table, dtype=float), np.nan)
+        if table.ndim != 2 or table.shape[1] != 2:
+            raise SceneError(f"the table has the shape {table.shape}; allowed: (samples, 2)")
+        gaps = np.flatnonzero(~np.isfinite(table).all(axis=1))
+        if gaps.size:
+            raise SceneError(f"row {gaps[0]} of the table is {table[gaps[0]].tolist()}; allowed: two finite numbers")
+        content = json.dumps(table.tolist()).encode()
+    found = _native.curve(content, unit, strain)
+    return found | {"curve": _object(found["curve"])}
 
 
 class Shape(NamedTuple):
