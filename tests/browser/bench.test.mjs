@@ -49,6 +49,14 @@ const lines = (page) =>
   );
 
 describe("the benchmark", { timeout: 6 * harness.PATIENCE }, () => {
+  test("has no field into which a phone zooms", async () => {
+    const { page, finish } = await open();
+    const { count, small } = await harness.smallFields(page);
+    assert.deepEqual(small, []);
+    assert.ok(count > 3, `${count} fields`);
+    await finish();
+  });
+
   test("measures in the browser what the command line measures", async () => {
     const { page, finish } = await open("?nodes_per_side=17,33&cases=default");
     await press(page, "Start");

@@ -7,6 +7,16 @@ import * as harness from "./harness.mjs";
 const fixture = harness.setUp({ isPlain: true });
 
 describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
+  test("has no field into which a phone zooms, nor has the app's own", async () => {
+    const { page, finish } = await fixture.openApp({ viewport: { width: 390, height: 844 } });
+    await page.locator("form label").first().waitFor({ state: "attached" });
+    const { count, small } = await harness.smallFields(page);
+    assert.deepEqual(small, []);
+    // The fields of the form, and the hidden one that takes the keyboard for the app.
+    assert.ok(count > 16, `${count} fields`);
+    await finish();
+  });
+
   test("is filled, sets the plan, refuses in one line and follows the app", async () => {
     const { page, finish } = await fixture.openApp({ viewport: { width: 1000, height: 700 } });
     const form = page.getByRole("form", { name: "Plan" });

@@ -457,3 +457,11 @@ export function profileDistance(a, b) {
   if (a.length !== b.length) return Infinity;
   return Math.max(...a.map((p, k) => Math.hypot(p.r_mm - b[k].r_mm, p.z_mm - b[k].z_mm)));
 }
+
+/** Fields of the document with letters of less than 16 px, into which a phone zooms; all of them are counted. */
+export const smallFields = (page) =>
+  page.evaluate(() => {
+    const fields = [...document.querySelectorAll("input, select, textarea")];
+    const size = (field) => Number.parseFloat(getComputedStyle(field).fontSize);
+    return { count: fields.length, small: fields.filter((field) => size(field) < 16).map((field) => field.outerHTML) };
+  });
