@@ -1046,6 +1046,13 @@ fn a_dropped_tensile_test_becomes_a_curve_in_the_unit_that_is_chosen() {
     ] {
         harness.get_by_label(sentence);
     }
+    // The window stays on a low screen, too.
+    harness.set_size(egui::vec2(1000.0, 520.0));
+    harness.run();
+    let button = harness.get_by_role_and_label(Role::Button, "Apply the curve").rect();
+    assert!(button.bottom() < 520.0 && button.top() > 0.0, "{button:?}");
+    harness.set_size(DESKTOP);
+    harness.run();
     harness.get_by_role_and_label(Role::ComboBox, "Stress in").click();
     harness.run();
     harness.get_by_role_and_label(Role::Button, "kPa").click();

@@ -28,7 +28,7 @@ pub(super) struct Import {
 }
 
 impl Import {
-    /// Shows the ways of reading and what was read. Returns the test that was just read.
+    /// Shows the ways of reading, and the units. Returns the test that was just read.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
@@ -43,7 +43,6 @@ impl Import {
         if is_wanted {
             self.read();
         }
-        self.what_was_read(ui);
         self.tensile().filter(|_| is_wanted)
     }
 
@@ -113,6 +112,9 @@ impl Import {
         );
         let (is_able, name) = (!self.text.trim().is_empty(), tr("Use the table"));
         let is_wanted = button_if(ui, is_able, name, name, tip);
+        if let Some(Err(reason)) = &self.found {
+            rejection_label(ui, &tr!("{reason}. The points are unchanged.", reason));
+        }
         if self.is_refused {
             remark(ui, tr("The clipboard gave no text: paste the table into this field (Ctrl+V)."));
         }
@@ -133,16 +135,11 @@ impl Import {
         self.given != before
     }
 
-    fn what_was_read(&self, ui: &mut Ui) {
-        match &self.found {
-            Some(Ok(found)) => {
-                found.notes.iter().for_each(|note| _ = remark(ui, texts::shown(note)));
-                remark(ui, texts::shown(&found.summary()));
-            }
-            Some(Err(reason)) => {
-                rejection_label(ui, &tr!("{reason}. The points are unchanged.", reason));
-            }
-            None => {}
+    /// Shows what was recognised, left out and converted, and the distance of the samples from the curve.
+    pub(super) fn what_was_read(&self, ui: &mut Ui) {
+        let Some(found) = self.tensile() else { return };
+        for sentence in found.notes.iter().chain([&found.summary()]) {
+            remark(ui, texts::shown(sentence));
         }
     }
 }

@@ -20,6 +20,8 @@ const MAX_POINT: [f64; 2] = [10.0, 1e7];
 /// Width of the table and of the plot \[points\].
 const WIDTH: f32 = 270.0;
 const ROW: f32 = 24.0;
+/// Height of the window without its middle \[points\]: title, reason and buttons.
+const ENDING: f32 = 150.0;
 /// Number of intervals of the plotted curve.
 const SAMPLES: i32 = 160;
 /// Greatest number of points, and of samples of a test, drawn as dots.
@@ -81,15 +83,21 @@ impl CurveWindow {
         .pivot(egui::Align2::CENTER_CENTER)
         .default_pos(ctx.content_rect().center())
         .show(ctx, |ui| {
-            if is_wide {
-                ui.horizontal_top(|ui| {
-                    ui.vertical(|ui| self.table(ui, actions));
-                    ui.vertical(|ui| self.curve(ui));
-                });
-            } else {
-                self.table(ui, actions);
-                self.curve(ui);
-            }
+            let height = ctx.content_rect().height() - ENDING;
+            egui::ScrollArea::vertical().id_salt("curve window").max_height(height).show(
+                ui,
+                |ui| {
+                    if is_wide {
+                        ui.horizontal_top(|ui| {
+                            ui.vertical(|ui| self.table(ui, actions));
+                            ui.vertical(|ui| self.curve(ui));
+                        });
+                    } else {
+                        self.table(ui, actions);
+                        self.curve(ui);
+                    }
+                },
+            );
             ui.separator();
             is_closed |= self.ending(ui, layer);
         });
@@ -243,6 +251,7 @@ impl CurveWindow {
                     );
                 }
             });
+        self.import.what_was_read(ui);
     }
 
     /// Takes the points over or closes the window; returns whether the window is to be closed.
