@@ -465,33 +465,6 @@ fn an_edit_is_solved_in_its_own_frame() {
 }
 
 #[test]
-fn playback_continues_after_an_idle_time_without_a_jump() {
-    let insertion = |harness: &Harness<'static, App>| harness.state().session().scene().insertion;
-    // The time step of the first frame after five idle seconds.
-    let step = |is_rested: bool| {
-        let mut harness = app(WIDE, |scene| scene.insertion = 0.5);
-        focus_picture(&mut harness);
-        harness.key_press(egui::Key::Space);
-        let mut time = 100.0;
-        while insertion(&harness) < 0.52 || harness.state().session().is_working() {
-            time += 0.02;
-            harness.input_mut().time = Some(time);
-            harness.step();
-        }
-        let before = insertion(&harness);
-        if is_rested {
-            harness.state_mut().mark_paused();
-        }
-        harness.input_mut().time = Some(time + 5.0);
-        harness.step();
-        insertion(&harness) - before
-    };
-    assert!((step(false) - 0.04).abs() < 1e-9, "a slow frame's step is {}", step(false));
-    let rested = step(true);
-    assert!(0.0 < rested && rested < 0.005, "the step after a rest is {rested}");
-}
-
-#[test]
 fn a_message_stays_until_closed() {
     let mut harness = app(WIDE, |_| {});
     harness.state_mut().notify("This is the scene that was open.");

@@ -1,10 +1,8 @@
-//! Keys of history and insertion, and playback of the insertion.
+//! Keys of history and insertion.
 
 use crate::session::Command;
 use eframe::egui::{self, Key, Modifiers};
 
-/// Duration of the playback from flat to full height \[s\].
-const PLAY_SECONDS: f64 = 5.0;
 /// Step of the insertion by a key \[-\].
 const INSERTION_STEP: f64 = 0.02;
 
@@ -19,11 +17,6 @@ pub(super) fn insertion_steps(ctx: &egui::Context) -> impl Iterator<Item = f64> 
         (Key::ArrowUp, INSERTION_STEP),
     ];
     steps.map(|(key, step)| presses(key) as f64 * step).into_iter().filter(|step| *step != 0.0)
-}
-
-/// Insertion \[-\] of a step of the playback, `seconds` after the previous one.
-pub(super) fn played(insertion: f64, seconds: f64) -> f64 {
-    if insertion >= 1.0 { 0.0 } else { (insertion + seconds / PLAY_SECONDS).min(1.0) }
 }
 
 /// Undo and redo of the keys pressed since the previous frame, in their order.

@@ -36,7 +36,6 @@ pub(super) struct Edits {
     pub(super) is_inserting: bool,
     /// Was the plan edited since the start? Then the hint is gone.
     pub(super) is_edited: bool,
-    pub(super) is_playing: bool,
     /// Was drawing suspended since the previous frame?
     pub(super) was_paused: bool,
     /// Number of the present gesture; edits of one gesture are one step of the history.
@@ -82,7 +81,7 @@ impl App {
             scene.clone_from(self.shared.session.scene());
         }
         (self.edits.is_scene_replaced, self.edits.has_solved) = (false, false);
-        self.advance_playback(&ctx, &mut scene);
+        self.advance_playback(&ctx);
         self.poll_studies(&ctx);
         // A smaller window shows the upper left part: no control has room in less.
         let room = ui.available_rect_before_wrap();
@@ -111,7 +110,7 @@ impl App {
         self.edits.draft = Some(scene);
         self.edits.was_paused = false;
         // The panels before the slice show its result in the next frame, as do the studies.
-        if self.is_solving() || self.edits.has_solved || self.edits.is_playing {
+        if self.is_solving() || self.edits.has_solved || self.insertion.is_playing() {
             ctx.request_repaint();
         }
         self.note_changes();
@@ -172,10 +171,6 @@ impl App {
                 "The last change was undone. {reason} Redo repeats the change.",
                 reason
             )));
-            self.edits.is_playing = false;
-        }
-        if progress == Progress::Done && self.shared.session.has_no_shape() {
-            self.edits.is_playing = false;
         }
     }
 
@@ -191,7 +186,7 @@ impl App {
         range.advance(ctx, scene, studies);
         // What is not known is sampled after an edit and its solve.
         let is_held = ctx.input(|input| input.pointer.any_down());
-        let is_busy = is_working || self.edits.is_playing || is_held;
+        let is_busy = is_working || self.insertion.is_playing() || is_held;
         filling.advance(scene, choices.device, studies, is_busy);
         let sizes = &range.sizes;
         volume_marks.want_after_rest(ctx, is_busy);
@@ -212,7 +207,7 @@ impl App {
     pub(super) fn cancel(&mut self) {
         self.shared.session.cancel();
         self.edits.is_scene_replaced = true;
-        self.edits.is_playing = false;
+        self.insertion.stop();
         self.shared.solving = None;
         self.shared.timing.solve_ms = 0.0;
         self.notice = (!self.shared.session.is_stopped()).then(|| {
@@ -247,7 +242,7 @@ impl App {
         self.edits.typing.1 = typing;
         if is_new && !is_typing_on {
             // From press to release is one gesture; each key is its own.
-            self.edits.gesture += u64::from(!self.edits.is_playing);
+            self.edits.gesture += 1;
         }
     }
 
@@ -295,8 +290,6 @@ impl App {
             return Ok(());
         }
         self.edits.gesture += 1;
-        self.edits.is_playing &=
-            scene.insertion.to_bits() == self.shared.session.scene().insertion.to_bits();
         self.edit(&mut scene).map_err(|error| error.to_string())?;
         self.shared.choices = choices;
         Ok(())
@@ -401,7 +394,7 @@ impl App {
     /// whether there was one.
     fn cancel_press(&mut self, ctx: &egui::Context) -> bool {
         let is_held = ctx.input(|input| input.pointer.any_down());
-        if !is_held || self.edits.is_playing || self.edits.press.is_cancelled {
+        if !is_held || self.edits.press.is_cancelled {
             return false;
         }
         let before = self.shared.session.scene().clone();
@@ -415,17 +408,14 @@ impl App {
     }
 
     pub(super) fn toggle_playback(&mut self) {
-        self.edits.is_playing = !self.edits.is_playing;
-        self.edits.gesture += 1;
+        self.insertion.toggle(self.shared.session.scene());
     }
 
-    /// Advances the insertion during playback by one step, once the previous step is solved.
-    fn advance_playback(&mut self, ctx: &egui::Context, scene: &mut Scene) {
-        if !self.edits.is_playing || self.shared.session.is_working() {
-            return;
-        }
+    /// Advances the playback of the insertion by a frame.
+    fn advance_playback(&mut self, ctx: &egui::Context) {
         let since = if self.edits.was_paused { 0.0 } else { ctx.input(|input| input.stable_dt) };
-        scene.insertion = keys::played(scene.insertion, f64::from(since).clamp(0.01, 0.2));
-        self.edits.is_playing = scene.insertion < 1.0;
+        let (now, slice) = (Instant::now(), long_slice(ctx));
+        let scene = self.shared.session.scene();
+        self.insertion.advance(scene, since.clamp(0.0, 0.2), &mut || now.elapsed() >= slice);
     }
 }

@@ -8,7 +8,7 @@
 //! frames, `perform` executes actions, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
-//! implant on it.
+//! implant on it, `insertion` plays the push of the implant into its place.
 //! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `controls` finds controls by
 //! name for scripts; `clipboard` reads a pasted table.
 //!
@@ -31,6 +31,7 @@ mod fill_steps;
 mod filling;
 mod focus;
 mod handles;
+mod insertion;
 mod interface;
 mod keys;
 mod link;
@@ -78,6 +79,7 @@ use files::Files;
 use filling::Filling;
 use focus::Focus;
 use handles::Handles;
+use insertion::Insertion;
 use logic::Edits;
 use messages::Notice;
 use no_answer::NearestSearch;
@@ -103,6 +105,7 @@ pub struct App {
     studies: Studies,
     panels: Panels,
     handles: Handles,
+    insertion: Insertion,
     screen: Screen,
     windows: Windows,
     notice: Option<Notice>,
@@ -154,6 +157,7 @@ impl App {
             studies: Studies::new(ctx, runner),
             panels: Panels::default(),
             handles: Handles::default(),
+            insertion: Insertion::default(),
             screen: Screen::default(),
             windows: Windows::default(),
             notice: None,

@@ -19,7 +19,7 @@ use crate::view::color;
 use crate::view::cross_section::CrossSection;
 use crate::view::pick::{Hit, Target};
 use crate::view::place as tissue;
-use crate::view::subject::{LastAnswer, Subject};
+use crate::view::subject::{Between, LastAnswer, Subject};
 use eframe::egui::{
     self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2,
     vec2,
@@ -77,8 +77,12 @@ pub(super) fn show(
     ui: &Ui,
     area: Rect,
     shared: &Shared,
+    between: Option<Between<'_>>,
     scale: &mut Scale,
 ) -> Option<tissue::Place> {
+    if let Some(between) = between {
+        return strip_of(ui, area, shared, &between, scale);
+    }
     let last = LastAnswer::of(&shared.session);
     let kept = match &last {
         Some(answer) => strip_of(ui, area, shared, answer, scale),
@@ -115,7 +119,7 @@ fn strip_of(
             let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
             (texts::tissue(name).to_owned(), color32(color::tissue(name, layer)))
         };
-        paint_implant(ui, &painter, &place, problem);
+        paint_implant(ui, &painter, &place, subject);
         paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
         let band = shared.uncertainty.findings().map_or(&[][..], Findings::section);
         let band = plots::sampled_skin(&shared.session, band);
@@ -259,8 +263,15 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
     below(right, Align2::RIGHT_TOP, at_right, weak);
 }
 
-fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
-    let outline = plots::dome_outline(problem);
+fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, subject: &impl Subject) {
+    let problem = subject.problem();
+    let mut outline = plots::dome_outline(problem);
+    if let Some((to, part)) = subject.toward() {
+        let others = plots::dome_outline(to.solution().problem());
+        for (point, other) in outline.iter_mut().zip(others) {
+            *point = [0, 1].map(|k| point[k] + f64::from(part) * (other[k] - point[k]));
+        }
+    }
     let foot = |point: &[f64; 2]| [point[0], plots::wall_height(problem, point[0])];
     let base: Vec<[f64; 2]> = outline.iter().rev().map(foot).collect();
     let accent = theme::palette(ui.visuals()).accent;

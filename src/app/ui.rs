@@ -284,7 +284,7 @@ impl App {
     fn insertion_row(&mut self, ui: &mut Ui, scene: &mut Scene) {
         ui.add_space(theme::SPACE_SMALL);
         ui.horizontal(|ui| {
-            let name = if self.edits.is_playing { tr("Pause") } else { tr("Show insertion") };
+            let name = if self.insertion.is_playing() { tr("Pause") } else { tr("Show insertion") };
             let button = ui.add_sized([108.0, 24.0], egui::Button::new(name));
             if button.on_hover_text(tr!("{name} (space)", name)).clicked() {
                 self.actions.push(Action::Run(Task::Play));
@@ -294,7 +294,6 @@ impl App {
                 slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed;
             if self.edits.is_inserting {
                 plan::set_insertion(scene, percent);
-                self.edits.is_playing = false;
             }
         });
         ui.add_space(theme::SPACE_SMALL);
@@ -383,7 +382,9 @@ impl App {
             let (session, options) = (&self.shared.session, &self.shared.options);
             let bar = self.screen.view_bar_height;
             let shown = Shown { envelope, bar, ..Shown::new(session, options) };
-            if session.has_no_shape() {
+            if let Some(between) = self.insertion.shown() {
+                self.shared.viewport.show_between(ui, &between, shown);
+            } else if session.has_no_shape() {
                 self.shared.viewport.show(ui, shown);
                 self.no_shape(ui, area, scene, layout);
             } else if self.shared.compare.is_side_by_side(session) {
@@ -393,7 +394,7 @@ impl App {
                 let outlines = plots::outlines(session, &self.shared.compare, palette);
                 self.shared.viewport.show(ui, Shown { outlines: &outlines, ..shown });
             }
-            let has_shape = !self.shared.session.has_no_shape();
+            let has_shape = !self.shared.session.has_no_shape() && self.insertion.shown().is_none();
             if has_shape && self.shared.is_provisional() {
                 messages::provisional(ui, area, self.shared.session.displayed());
             }
@@ -409,7 +410,13 @@ impl App {
             }
         }
         if let Some(strip) = strip {
-            let kept = strip::show(ui, strip, &self.shared, &mut self.screen.strip);
+            let kept = strip::show(
+                ui,
+                strip,
+                &self.shared,
+                self.insertion.shown(),
+                &mut self.screen.strip,
+            );
             self.actions.extend(kept.map(Action::KeepValues));
         }
         self.show_notice(ui, area);

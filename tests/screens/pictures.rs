@@ -101,3 +101,66 @@ fn without_a_cut_its_direction_waits() {
     harness.run_steps(3);
     assert!(!is_able(&harness));
 }
+
+/// Height of the drawn cross-section of the tissue \[points\].
+fn height(harness: &Harness<'static, App>) -> f32 {
+    let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
+    let meshes = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+        egui::Shape::Mesh(mesh) if strip.expand(1.0).contains_rect(shape.clip_rect) => Some(mesh),
+        _ => None,
+    });
+    // The implant and the tissue; the ground has four corners.
+    let points = meshes.filter(|mesh| mesh.vertices.len() > 4).flat_map(|mesh| &mesh.vertices);
+    let [low, high] = points.fold([f32::MAX, f32::MIN], |[low, high], vertex| {
+        [low.min(vertex.pos.y), high.max(vertex.pos.y)]
+    });
+    high - low
+}
+
+#[test]
+fn the_push_is_watched_unfaded_and_changes_neither_plan_nor_answer() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let (scene, whole) = (harness.state().session().scene().clone(), height(&harness));
+    let solves = harness.state().session().counters().solves;
+    let answer = |harness: &Harness<'static, App>| {
+        ["Skin stretch", "Cover over implant", "Pressure on the tissue"]
+            .map(|card| harness.get_all_by_label(card).count())
+    };
+    let (cards, summary) = (answer(&harness), harness.state().summary());
+    harness.get_by_role_and_label(Role::Button, "Show insertion").click();
+    let mut heights = Vec::new();
+    let mut time = harness.ctx.input(|input| input.time);
+    for _ in 0..2000 {
+        time += 0.04;
+        harness.input_mut().time = Some(time);
+        harness.step();
+        if harness.query_by_label("Pause").is_none() && !heights.is_empty() {
+            break;
+        }
+        heights.push(height(&harness));
+        assert_eq!(harness.state().session().scene(), &scene);
+        assert_eq!((answer(&harness), harness.state().summary()), (cards, summary.clone()));
+        assert!(harness.query_by_label_contains("Computing").is_none(), "faded");
+        let field = harness.get_by_role_and_label(Role::SpinButton, "In place (%)");
+        assert_eq!(field.value().as_deref(), Some("100"));
+    }
+    harness.run();
+    let least = heights.iter().copied().fold(f32::MAX, f32::min);
+    assert!(least < 0.5 * whole, "{least} of {whole}");
+    let steps: std::collections::BTreeSet<i32> = heights.iter().map(|h| (2.0 * h) as i32).collect();
+    assert!(steps.len() > 20, "{steps:?}");
+    assert!((height(&harness) - whole).abs() < 0.5);
+    assert!(!harness.state().session().can_undo());
+    assert_eq!(harness.state().session().counters().solves, solves);
+}
+
+#[test]
+fn the_field_of_the_insertion_has_whole_percent() {
+    let mut harness = app(DESKTOP, |scene| {
+        *scene = flat_plan();
+        scene.insertion = 0.77336;
+    });
+    let field = harness.get_by_role_and_label(Role::SpinButton, "In place (%)");
+    assert_eq!(field.value().as_deref(), Some("77"));
+    harness.run();
+}

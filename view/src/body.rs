@@ -134,6 +134,15 @@ impl Body {
         body
     }
 
+    /// Moves every point by a part of the way to that of another body of the same triangulation \[-\].
+    pub fn move_toward(&mut self, other: &Self, part: f32) {
+        for (points, others) in self.levels.iter_mut().zip(&other.levels) {
+            for (point, other) in points.iter_mut().zip(others) {
+                *point = point.lerp(*other, part);
+            }
+        }
+    }
+
     /// Is there nothing to draw?
     #[must_use]
     pub fn is_empty(&self) -> bool {

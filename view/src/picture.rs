@@ -120,11 +120,26 @@ impl Picture {
         } else if self.body.update(subject.fields().solution()) {
             self.tissue_indices = Arc::new(mesh::tissue_indices(&self.body));
         }
+        let toward = subject.toward().filter(|_| !self.body.is_empty());
+        if let Some((to, part)) = toward {
+            self.body.move_toward(&Body::new(to.solution()), part);
+        }
         // An implant without its tissue would look like an extrusion.
         let dome = (!self.body.is_empty()).then_some(&problem.obstacle.dome);
         if self.dome_made.as_ref() != dome {
             self.set_mesh(2, dome.map_or_else(Mesh::default, mesh::implant));
             self.dome_made = dome.cloned();
+        }
+        if let Some((to, part)) = toward {
+            let to = mesh::implant(&to.solution().problem().obstacle.dome);
+            let mut between = mesh::implant(&problem.obstacle.dome);
+            for (vertex, to) in between.vertices.iter_mut().zip(&to.vertices) {
+                for (own, other) in vertex.iter_mut().zip(to) {
+                    *own += part * (other - *own);
+                }
+            }
+            self.set_mesh(2, between);
+            self.dome_made = None;
         }
         let wall_radius = self.body.block_radius.max(problem.sheet().radius_mm() as f32);
         let patch_radius = problem.sheet().radius_mm();
@@ -138,8 +153,13 @@ impl Picture {
 
     fn make_colors(&mut self, subject: &impl Subject, quantity: Quantity, colors: &[Rgb]) {
         let is_shown = !self.body.is_empty();
-        let values =
-            quantity.field().filter(|_| is_shown).map(|field| subject.fields().values(field));
+        let field = quantity.field().filter(|_| is_shown);
+        let between = field.zip(subject.toward()).map(|(field, (to, part))| {
+            let pairs = subject.fields().values(field).iter().zip(to.values(field));
+            pairs.map(|(own, to)| own + part * (to - own)).collect::<Vec<f32>>()
+        });
+        let own = field.map(|field| subject.fields().values(field));
+        let values = between.as_deref().or(own);
         self.greatest = values.map_or(0.0, color::greatest);
         let scale =
             quantity.scale(self.greatest, &subject.scene().layers, subject.problem().skin_knee());
@@ -223,6 +243,39 @@ mod tests {
         assert_eq!(stroked.indices.iter().max(), Some(&(stroked.vertices.len() as u32 - 1)));
         assert!(Arc::ptr_eq(&plain.indices, &again.indices));
         assert_eq!(plain.vertices.len(), again.vertices.len());
+    }
+
+    #[test]
+    fn a_shape_between_two_has_its_points_between_theirs_and_covers_its_implant() {
+        let mut scene = Scene::opening();
+        (scene.solver.nodes_per_side, scene.insertion) = (33, 0.5);
+        let solved = |scene: &Scene| {
+            let mut session = Session::new(scene.clone()).unwrap();
+            while session.advance(&mut || false) == Progress::Working {}
+            Rc::clone(session.fields())
+        };
+        let from = solved(&scene);
+        scene.insertion = 0.6;
+        let to = solved(&scene);
+        let section =
+            Section { opening: crate::section::Opening::Wedge, angle: 0.3, axis: glam::Vec2::ZERO };
+        let drawn = |part: f32| {
+            let mut picture = Picture::default();
+            let between =
+                crate::subject::Between { scene: &scene, from: &from, to: &to, part, revision: 1 };
+            picture.update(&between, Quantity::Strain, section, &|| 0.0);
+            picture
+        };
+        let [first, middle, last] = [0.0, 0.5, 1.0].map(drawn);
+        let apex = |picture: &Picture| picture.body.levels[0][16 * 33 + 16].z;
+        assert_eq!(first.body.levels, Body::new(from.solution()).levels);
+        assert!((apex(&middle) - 0.5 * (apex(&first) + apex(&last))).abs() < 1e-3);
+        assert!(apex(&last) > apex(&first) + 1.0);
+        assert!(middle.greatest > first.greatest && middle.greatest < last.greatest);
+        for picture in [&first, &middle, &last] {
+            assert!(protrusion(picture).unwrap() < 0.0);
+            assert!(!picture.caps.is_empty());
+        }
     }
 
     /// Greatest height of the drawn implant above the drawn skin \[mm\]; `None` without tissue.

@@ -16,6 +16,10 @@ pub trait Subject {
     }
     /// The fields of the shape; the session copies a new shape at the first use.
     fn fields(&self) -> &Rc<Fields>;
+    /// Another shape on the same grid and the part of the way to it \[-\], 0 to 1: the picture shows the shape in between.
+    fn toward(&self) -> Option<(&Rc<Fields>, f32)> {
+        None
+    }
     /// Number that changes with the shape.
     fn revision(&self) -> u64;
     /// Is a solve running whose shape is neither a draft nor final?
@@ -119,5 +123,38 @@ impl Subject for PinnedShape<'_> {
 
     fn revision(&self) -> u64 {
         self.pin.number()
+    }
+}
+
+/// A shape between two shapes of one plan at different insertions.
+#[derive(Clone, Copy, Debug)]
+pub struct Between<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The shape before.
+    pub from: &'a Rc<Fields>,
+    /// The shape after.
+    pub to: &'a Rc<Fields>,
+    /// Part of the way from the one to the other \[-\], 0 to 1.
+    pub part: f32,
+    /// Number of this shape, different from those of a session.
+    pub revision: u64,
+}
+
+impl Subject for Between<'_> {
+    fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    fn fields(&self) -> &Rc<Fields> {
+        self.from
+    }
+
+    fn toward(&self) -> Option<(&Rc<Fields>, f32)> {
+        Some((self.to, self.part))
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision
     }
 }

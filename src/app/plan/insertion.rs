@@ -5,7 +5,8 @@ use crate::scene::{Field, Scene};
 
 /// The control of the insertion, and the insertion \[%\].
 pub(in crate::app) fn insertion(scene: &Scene) -> (Control<'static>, f64) {
-    let control = Control { reset: 100.0, ..Control::of(Field::Insertion) };
+    let control =
+        Control { reset: 100.0, decimals: 0, most_decimals: 0, ..Control::of(Field::Insertion) };
     (control, 100.0 * scene.insertion)
 }
 

@@ -27,7 +27,7 @@ use crate::view::camera::{Ball, Camera, Standing, View};
 use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
-use crate::view::subject::{LastAnswer, Subject};
+use crate::view::subject::{Between, LastAnswer, Subject};
 use crate::view::wall;
 use eframe::egui::{
     self, Align2, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui,
@@ -230,6 +230,11 @@ impl Viewport {
             }
             None => self.show_subject(ui, shown.session, shown),
         }
+    }
+
+    /// Shows a shape of the session's plan between two insertions in the remaining space.
+    pub(crate) fn show_between(&mut self, ui: &mut Ui, between: &Between<'_>, shown: Shown<'_>) {
+        self.show_subject(ui, between, Shown { envelope: &[], outlines: &[], ..shown });
     }
 
     fn show_subject(&mut self, ui: &mut Ui, session: &impl Subject, shown: Shown<'_>) {

@@ -1,0 +1,167 @@
+//! The push of the implant into its place, to be watched: a few shapes are solved once, on a grid of their own, and played in two
+//! seconds. Plan, history and answer stay as they are.
+//!
+//! Uses `session`. Used by `logic`, `strip`, `ui`.
+
+use crate::measure::Fields;
+use crate::scene::Scene;
+use crate::session::{Command, Session};
+use crate::view::subject::Between;
+use std::rc::Rc;
+
+/// Number of steps from flat to in place; between two of them the picture is interpolated.
+const STEPS: usize = 10;
+/// Duration of the playback \[s\].
+const SECONDS: f32 = 2.0;
+/// Greatest number of nodes per side of the shapes: all of them are solved within a second.
+const NODES: usize = 65;
+/// Numbers of the shapes start here, beyond those of any session.
+const REVISIONS: u64 = 1 << 48;
+
+/// The playback of the insertion.
+#[derive(Default)]
+pub(super) struct Insertion {
+    /// The plan of the shapes.
+    plan: Option<Scene>,
+    /// Solves the shapes that are missing.
+    session: Option<Session>,
+    /// The shapes so far, from flat on.
+    shapes: Vec<Rc<Fields>>,
+    is_playing: bool,
+    /// Time since the start of the playback \[s\].
+    time: f32,
+    /// Number of the shape of this frame.
+    revision: u64,
+}
+
+impl Insertion {
+    /// Is the push being solved or played?
+    pub(super) fn is_playing(&self) -> bool {
+        self.is_playing
+    }
+
+    /// Stops the playback.
+    pub(super) fn stop(&mut self) {
+        self.is_playing = false;
+    }
+
+    /// Starts the playback of a plan from flat on, or stops it.
+    pub(super) fn toggle(&mut self, scene: &Scene) {
+        self.is_playing = !self.is_playing;
+        self.time = 0.0;
+        if self.is_playing && self.plan.as_ref() != Some(scene) {
+            (self.session, self.shapes, self.plan) = (None, Vec::new(), Some(scene.clone()));
+        }
+    }
+
+    /// Advances the playback of a plan by a frame; another plan ends it. `pause` ends a slice of solving. Returns whether it goes
+    /// on.
+    pub(super) fn advance(
+        &mut self,
+        scene: &Scene,
+        seconds: f32,
+        pause: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        if !self.is_playing || self.plan.as_ref() != Some(scene) {
+            self.is_playing = false;
+            return false;
+        }
+        self.revision += 1;
+        if self.shapes.len() <= STEPS {
+            self.is_playing = self.solve(scene, pause);
+        } else {
+            self.time += seconds;
+            self.is_playing = self.time < SECONDS;
+        }
+        self.is_playing
+    }
+
+    /// Solves a slice of the missing shapes. Returns `false` if a shape has no answer.
+    fn solve(&mut self, scene: &Scene, pause: &mut dyn FnMut() -> bool) -> bool {
+        let step = |step: usize| {
+            let mut scene = scene.clone();
+            let last = if scene.insertion > 0.0 { scene.insertion } else { 1.0 };
+            scene.insertion = last * step as f64 / STEPS as f64;
+            scene.solver.nodes_per_side = scene.solver.nodes_per_side.min(NODES);
+            scene
+        };
+        let session = match &mut self.session {
+            Some(session) => session,
+            None => match Session::new(step(0)) {
+                Ok(session) => self.session.insert(session),
+                Err(_) => return false,
+            },
+        };
+        while self.shapes.len() <= STEPS {
+            session.advance(pause);
+            if session.is_working() {
+                return true;
+            }
+            if session.has_no_shape() {
+                return false;
+            }
+            self.shapes.push(Rc::clone(session.fields()));
+            let next = Command::Edit {
+                scene: Box::new(step(self.shapes.len().min(STEPS))),
+                gesture: self.shapes.len() as u64,
+            };
+            if session.apply(next).is_err() {
+                return false;
+            }
+        }
+        self.session = None;
+        true
+    }
+
+    /// The shape of this frame; `None` while the shapes are being solved and without a playback.
+    pub(super) fn shown(&self) -> Option<Between<'_>> {
+        let is_played = self.is_playing && self.shapes.len() > STEPS;
+        let scene = self.plan.as_ref().filter(|_| is_played)?;
+        let at = (self.time / SECONDS).min(1.0) * STEPS as f32;
+        let before = (at as usize).min(STEPS - 1);
+        let [from, to] = [self.shapes.get(before)?, self.shapes.get(before + 1)?];
+        let revision = REVISIONS + self.revision;
+        Some(Between { scene, from, to, part: at - before as f32, revision })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::subject::Subject as _;
+
+    #[test]
+    fn the_push_rises_from_flat_to_the_place_in_two_seconds_and_another_plan_ends_it() {
+        let mut scene = Scene::opening();
+        (scene.solver.nodes_per_side, scene.solver.tolerance) = (33, 1e-3);
+        let mut insertion = Insertion::default();
+        insertion.toggle(&scene);
+        while insertion.shown().is_none() {
+            assert!(insertion.advance(&scene, 0.1, &mut || false));
+        }
+        let height = |between: &Between<'_>| {
+            let apex = |fields: &Rc<Fields>| {
+                let shape = fields.solution().inner();
+                shape.iter().map(|p| p.z as f32).fold(0.0, f32::max)
+            };
+            let (to, part) = between.toward().unwrap();
+            apex(between.fields()) * (1.0 - part) + apex(to) * part
+        };
+        let mut heights = vec![height(&insertion.shown().unwrap())];
+        let mut frames = 0;
+        while insertion.advance(&scene, 0.05, &mut || false) {
+            heights.extend(insertion.shown().as_ref().map(height));
+            frames += 1;
+        }
+        assert!((38..=41).contains(&frames), "{frames} frames of 0.05 s");
+        assert!(heights.windows(2).all(|pair| pair[1] > pair[0]), "{heights:?}");
+        assert!(
+            heights[0] < 1.0 && *heights.last().unwrap() > 0.9 * scene.implant.projection_mm as f32
+        );
+        // Again without a solve; another plan stops it.
+        insertion.toggle(&scene);
+        assert!(insertion.advance(&scene, 0.1, &mut || false) && insertion.shown().is_some());
+        scene.implant.projection_mm += 1.0;
+        assert!(!insertion.advance(&scene, 0.1, &mut || false) && insertion.shown().is_none());
+    }
+}
