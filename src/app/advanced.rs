@@ -1,12 +1,14 @@
-//! The folded part of the plan: accuracy, fat, layers and curves, tissue model, patch and attachment, springs.
+//! The folded part of the plan: accuracy, fat, fullness, layers and curves, tissue model, patch and attachment, springs.
 
 use super::curve_editor;
+use super::device::Device;
 use super::fat;
 use super::plan::{Hand, chip, chips};
 use super::stability;
 use super::texts::{self, tr};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, button_if, choice, group, labelled_box};
+use crate::clinical::HALF_ELLIPSOID;
 use crate::scene::{AttachmentSettings, Body, Field, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
@@ -21,6 +23,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
     let fold = header.show_unindented(ui, |ui| {
         accuracy(ui, scene, hand);
         fat::show(ui, scene, hand);
+        fullness(ui, scene);
         let edited = layers(ui, scene);
         ui.add_space(SPACE);
         method(ui, scene, session);
@@ -37,6 +40,18 @@ pub(super) fn accuracy_name(scene: &Scene) -> Option<&'static str> {
     };
     let name = |&(name, nodes, tolerance)| is_present(nodes, tolerance).then_some(tr(name));
     ACCURACIES.iter().find_map(name)
+}
+
+/// The fullness of an implant, which older plans and expanders do not have; width and projection stay.
+fn fullness(ui: &mut Ui, scene: &mut Scene) {
+    if !scene.may_be_anatomical() || Device::of(ui.ctx()) == Device::Expander {
+        return;
+    }
+    let mut value = scene.implant.fullness();
+    let control = Control { reset: HALF_ELLIPSOID, ..Control::of(Field::Fullness) };
+    if control.show(ui, &mut value).is_changed {
+        scene.implant.set_fullness(value);
+    }
 }
 
 /// Grid and tolerance, by name and by number.

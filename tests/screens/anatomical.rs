@@ -19,6 +19,33 @@ fn choose(harness: &mut Harness<'static, App>, shape: &'static str) {
 }
 
 #[test]
+fn the_fullness_moves_the_volume_and_any_two_sizes_give_the_third_with_it() {
+    let mut harness = unfolded(coarse);
+    let size = |harness: &Harness<'static, App>| implant(harness).size().unwrap();
+    let before = size(&harness);
+    type_into(&mut harness, "Fullness", "0,75");
+    let full = size(&harness);
+    assert_eq!(implant(&harness).fullness, Some(0.75));
+    let (width, projection) = (full.base_width_mm(), full.projection_mm());
+    assert!(
+        (width - before.base_width_mm()).abs() + (projection - before.projection_mm()).abs() < 1e-9
+    );
+    assert!((full.volume_ml() / before.volume_ml() - 0.75 * 1.5).abs() < 1e-9);
+    type_into(&mut harness, "Volume (ml)", "300");
+    let other = size(&harness);
+    assert!((other.fullness() - 0.75).abs() < 1e-9 && (other.volume_ml() - 300.0).abs() < 1e-9);
+    assert!((other.base_width_mm() - width).abs() < 1e-9 && other.projection_mm() < projection);
+    // Out of its limits.
+    type_into(&mut harness, "Fullness", "0,9");
+    assert_eq!(implant(&harness).fullness, Some(0.75));
+    // An expander's shell is half of an ellipsoid at every fill.
+    choose(&mut harness, "expander");
+    assert_eq!(implant(&harness).fullness, None);
+    assert!((size(&harness).volume_ml() - 300.0).abs() < 1e-9);
+    assert_eq!(harness.query_all_by_label("Fullness").count(), 0);
+}
+
+#[test]
 fn an_anatomical_implant_has_a_height_and_an_apex_and_a_round_one_loses_both() {
     let mut harness = app(DESKTOP, coarse);
     let fields = ["Height (cm)", "Apex lower (cm)"];

@@ -262,7 +262,10 @@ mod tests {
             check(&tissue(&body, &colors, None));
             let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
             check(&caps(&section.caps(&body), &colors, &[Pattern::Skin, Pattern::Fat]));
-            check(&implant(&session.problem().obstacle.dome));
+            let dome = &session.problem().obstacle.dome;
+            for fullness in [dome.fullness, 0.55, 0.8] {
+                check(&implant(&dome.clone().filled(fullness)));
+            }
             check(&wall(&Chest::Flat, 60.0, 80.0));
             check(&wall(&Chest::Curved { across_mm: 70.0, along_mm: 90.0 }, 60.0, 80.0));
         }

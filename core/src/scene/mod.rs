@@ -188,6 +188,12 @@ impl Implant {
         self.fullness.unwrap_or(HALF_ELLIPSOID)
     }
 
+    /// Sets the fullness \[-\]; that of half of an ellipsoid is not stated.
+    pub fn set_fullness(&mut self, fullness: f64) {
+        self.fullness = Some(fullness);
+        *self = self.in_few_words();
+    }
+
     /// Is the implant a solid of revolution?
     #[must_use]
     pub fn is_round(&self) -> bool {

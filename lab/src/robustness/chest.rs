@@ -84,6 +84,13 @@ pub(super) fn any(rng: &mut Rng, scene: &mut Scene) {
     }
 }
 
+/// Gives half of the implants another fullness, drawn last: the scene is otherwise that of the same numbers without one.
+pub(super) fn fullness(rng: &mut Rng, scene: &mut Scene) {
+    if scene.may_be_anatomical() && rng.bool() {
+        scene.implant.fullness = Some(uniform(rng, Field::Fullness.limits));
+    }
+}
+
 /// A smooth mound of thickness under the implant's apex, where the nipple is.
 fn mound(rng: &mut Rng, scene: &Scene) -> ThicknessGrid {
     let solids: f64 = scene.layers.iter().skip(1).map(|layer| layer.thickness_mm).sum();
@@ -112,10 +119,11 @@ mod tests {
     #[test]
     fn every_scene_over_a_chest_is_valid_and_survives_json() {
         let mut rng = Rng::with_seed(1);
-        let (mut hollow, mut mounds) = (0, 0);
+        let (mut hollow, mut mounds, mut filled) = (0, 0, 0);
         for k in 0..1000 {
             let population = Population::of_layered(k, true);
             let mut scene = population.scene(&mut rng);
+            filled += usize::from(scene.implant.fullness.is_some());
             for _ in 0..2 {
                 assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
                 assert_eq!(Scene::from_json(&scene.to_json()).as_ref(), Ok(&scene));
@@ -125,6 +133,7 @@ mod tests {
                 population.put_on_chest(&mut rng, &mut scene);
             }
         }
+        assert!(filled.abs_diff(500) < 60, "{filled}");
         assert!(hollow > 150 && mounds > 800, "{hollow} {mounds}");
     }
 }

@@ -107,6 +107,7 @@ impl Clinical {
         scene.solver.tolerance = 1e-3;
         if self.has_chest {
             chest::patient(rng, &mut scene);
+            chest::fullness(rng, &mut scene);
         }
         scene
     }
@@ -250,7 +251,7 @@ mod tests {
                 measures_errors: false,
             };
             let flat = Clinical { has_chest: false, ..clinical };
-            let mut counts = [0; 3];
+            let mut counts = [0; 4];
             for case in 0..500 {
                 let scene = clinical.scene(7, case);
                 assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
@@ -263,12 +264,13 @@ mod tests {
                 let (mut without, flat) = (scene, flat.scene(7, case));
                 (without.chest, without.thickness_field) = (None, None);
                 (without.implant.center_mm, without.implant.base_height_mm) = ([0.0; 2], None);
-                without.implant.apex_shift_mm = 0.0;
+                counts[3] += usize::from(without.implant.fullness.is_some());
+                (without.implant.apex_shift_mm, without.implant.fullness) = (0.0, None);
                 without.set_pocket_radius(flat.pocket_radius_mm);
                 assert_eq!(without, flat);
             }
-            // A third, a third and half of 500.
-            let wanted = if has_chest { [167, 167, 250] } else { [0; 3] };
+            // A third, a third, half and half of 500.
+            let wanted = if has_chest { [167, 167, 250, 250] } else { [0; 4] };
             assert!(
                 counts.iter().zip(wanted).all(|(a, b): (&usize, _)| a.abs_diff(b) < 40),
                 "{counts:?}"

@@ -1,6 +1,6 @@
 //! Robustness tests: random scenes and edit sequences checked against invariants.
 //!
-//! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `chest` (chests with other implants and mounds) |
+//! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `chest` (chests with other implants and mounds, and the fullness) |
 //! `check`, `check_layered` (invariants) | `clinical` (random patients) | `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
 //! A case depends on population, seed and number alone: equal on every machine and in every order.
 
@@ -77,6 +77,7 @@ impl Population {
             Self::Extreme | Self::ExtremeChest => layered_scenes::extreme(rng),
         };
         self.put_on_chest(rng, &mut scene);
+        chest::fullness(rng, &mut scene);
         scene
     }
 

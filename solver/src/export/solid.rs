@@ -279,7 +279,8 @@ mod tests {
     #[test]
     fn an_implant_in_place_has_its_volume() {
         let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
-        for dome in [dome.clone(), dome.over(CURVED)] {
+        let filled = [0.55, 0.72, 0.8].map(|fullness| dome.clone().filled(fullness));
+        for dome in [dome.clone(), dome.over(CURVED)].into_iter().chain(filled) {
             let ratio = volume(&Solid::implant(&dome)) / dome.volume();
             assert!(ratio < 1.0 && ratio > 0.998, "{ratio}");
         }

@@ -14,8 +14,7 @@ use std::ops::RangeInclusive;
 const MARK: f32 = 24.0;
 /// Width from which on there is room for a title beside the devices \[points\].
 const DEVICES_WIDTH: f32 = 290.0;
-const VOLUME_TOOLTIP: &str =
-    "Volume of the implant, of a half-ellipsoid dome. Round implants: 95–965 ml. 1 ml = 1 cc.";
+const VOLUME_TOOLTIP: &str = "Volume of the implant: width, projection and fullness (Advanced) give it. Round implants: 95–965 ml. 1 ml = 1 cc.";
 
 /// Shows the implant, with the marks of its volumes on a slider and the largest volume that stays usual.
 pub(in crate::app) fn implant(
@@ -86,6 +85,9 @@ fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
             }
             choices.device = device;
             shape::set_anatomical(scene, choices, becomes_anatomical);
+            if device == Device::Expander {
+                shape::make_half_ellipsoid(scene);
+            }
         }
     }
 }

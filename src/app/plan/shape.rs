@@ -57,6 +57,9 @@ pub(super) fn set_size(scene: &mut Scene, size: Size) {
     let radius = 0.5 * size.base_width_mm();
     let before = scene.implant;
     scene.implant.projection_mm = size.projection_mm();
+    if size.fullness().to_bits() != before.fullness().to_bits() {
+        scene.implant.set_fullness(size.fullness());
+    }
     if radius.to_bits() != before.base_radius_mm.to_bits() {
         scene.implant.set_base_radius(radius);
     }
@@ -88,6 +91,20 @@ pub(super) fn set_anatomical(scene: &mut Scene, choices: &Choices, is_wanted: bo
     set_size(scene, size.with_base_height(height, follows).unwrap_or(size.with_aspect(aspect)));
     scene.implant.base_height_mm = is_wanted.then_some(height);
     scene.implant.apex_shift_mm = if is_wanted { (SHIFT * height).round() } else { 0.0 };
+}
+
+/// Makes the implant half of an ellipsoid, as the shell of an expander is at every fill: width and volume stay, or the projection where none has
+/// this volume.
+pub(super) fn make_half_ellipsoid(scene: &mut Scene) {
+    let Ok(size) = scene.implant.size() else { return };
+    let width = size.base_width_mm();
+    let half = Size::of_width_and_volume(width, size.volume_ml())
+        .or_else(|_| Size::of_width_and_projection(width, size.projection_mm()));
+    if let Ok(half) = half
+        && scene.implant.fullness.is_some()
+    {
+        set_size(scene, half);
+    }
 }
 
 /// Shows the height of an anatomical base.

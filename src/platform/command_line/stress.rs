@@ -42,7 +42,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "RATE", value_parser = rate, requires = "clinical")]
     fat_rate: Option<f64>,
     /// Layered tissue and clinical population: every scene has a curved chest, half of them an implant that is anatomical or off
-    /// centre, half of them a mound of thickness.
+    /// centre, half of them a mound of thickness, half of them an implant of another fullness.
     #[arg(long)]
     chest: bool,
     /// Clinical population: solves every converged case again, to measure its error.
