@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::clinical::{Dimension, HALF_ELLIPSOID, Size};
-use implant_preview::measure::{ProfilePoint, Status};
+use implant_preview::measure::{ProfilePoint, SolverMethod, Status};
 use implant_preview::scene::{Field, Scene};
 use implant_preview::session::{Command, Session};
 use implant_preview::simulate::simulate;
@@ -248,5 +248,29 @@ fn layered_tissue_agrees_with_the_axisymmetric_reference() {
         );
         assert_eq!(found.status, Status::Converged);
         assert!(skin < 1.5e-3 && force.abs() < 0.01, "{fullness}: {skin} {force}");
+    }
+}
+
+/// Multigrid in f32 and Newton's method in f64, whose contact is other code.
+#[test]
+fn both_methods_find_the_same_shape() {
+    for (fullness, height, shift) in
+        [(0.55, 120, 0), (0.8, 120, 0), (0.6, 132, 12), (0.75, 110, 10)]
+    {
+        let mut scene = file(&json!({
+            "fullness": fullness, "base_height_mm": height, "apex_shift_mm": shift, "center_mm": [2, -3]
+        }));
+        scene["tissue_model"] = json!("sheet");
+        let mut solve = |tolerance: f64| {
+            scene["solver"] = json!({ "nodes_per_side": 65, "tolerance": tolerance });
+            simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap()
+        };
+        let [multigrid, newton] = [1e-4, 1e-7].map(&mut solve);
+        assert_eq!((multigrid.status, newton.status), (Status::Converged, Status::Converged));
+        assert_eq!(newton.solver.method, SolverMethod::Newton);
+        let points = multigrid.profile.iter().zip(&newton.profile);
+        let apart = points.map(|(a, b)| (a.r_mm - b.r_mm).hypot(a.z_mm - b.z_mm));
+        let most = apart.fold(0.0, f64::max) / 60.0;
+        assert!(most < 2e-4, "{fullness}: {most}");
     }
 }
