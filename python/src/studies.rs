@@ -9,6 +9,7 @@ use implant_preview_core::study::{
     Bands, BandsSettings, Cases, Evaluator, Job, JobThreads, MapOptions, Quantity, Study, Template,
     run,
 };
+use implant_preview_core::table::Decimals;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -88,7 +89,7 @@ pub(crate) fn matrix<'py>(
     let mut scenes = Vec::with_capacity(values.nrows());
     for (row, numbers) in values.rows().into_iter().enumerate() {
         let cells: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-        let scene = template.scene(&cells);
+        let scene = template.scene(&cells, Decimals::Point);
         scenes.push(scene.map_err(|error| refused(format!("row {row} of X: {error}")))?);
     }
     let shape = [scenes.len(), quantities.len()];

@@ -4,7 +4,7 @@ use super::{
     SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, field, limits,
     out_of_range, problem,
 };
-use crate::curve::{Curve, present};
+use crate::curve::{Curve, present, whole_of};
 use crate::mesh::{Attachment, Edge, Patch, automatic_cells, balanced_cells};
 use crate::springs::Springs;
 use schemars::JsonSchema;
@@ -83,6 +83,11 @@ impl<'de> Deserialize<'de> for CellsThrough {
                 u32::try_from(count)
                     .map(|count| CellsThrough::Count(count as usize))
                     .map_err(|_| E::invalid_value(serde::de::Unexpected::Unsigned(count), &self))
+            }
+            fn visit_f64<E: serde::de::Error>(self, count: f64) -> Result<CellsThrough, E> {
+                let whole = whole_of(count)
+                    .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Float(count), &self))?;
+                self.visit_u64(whole)
             }
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<CellsThrough, E> {
                 match text {

@@ -2,7 +2,7 @@
 
 use super::chest::LEAST_OF_TISSUE;
 use super::{Scene, SceneError, grid, out_of_range, problem};
-use crate::curve::number;
+use crate::curve::{number, whole};
 use crate::mesh::{Chest, HeightGrid};
 use glam::DVec2;
 use schemars::JsonSchema;
@@ -25,8 +25,10 @@ pub struct HeightsGrid {
     /// Distance of neighbouring heights \[mm\], 0.5 to 50.
     pub spacing_mm: f64,
     /// Heights in a row, along x, 4 to 257.
+    #[serde(deserialize_with = "whole")]
     pub columns: usize,
     /// Rows, along y, 4 to 257.
+    #[serde(deserialize_with = "whole")]
     pub rows: usize,
     /// Row by row, x fastest, from −x, −y, −1000 to 1000 \[mm\].
     #[serde(serialize_with = "grid::written", deserialize_with = "grid::read")]

@@ -30,7 +30,7 @@ pub mod visit;
 mod written;
 
 use crate::clinical::{ClinicalError, HALF_ELLIPSOID, Size};
-use crate::curve::{given, number, present};
+use crate::curve::{given, number, present, present_whole};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
 pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
@@ -273,7 +273,7 @@ impl Implant {
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct SolverSettings {
     /// Nodes per side of the square grid, 17 to 1025; rounded to m·2ᵏ+1 with 8 ≤ m ≤ 15.
-    #[serde(deserialize_with = "present")]
+    #[serde(deserialize_with = "present_whole")]
     pub nodes_per_side: usize,
     /// Greatest node position error allowed, relative to the dome's base radius, 1e-7 to 1e-2.
     #[serde(deserialize_with = "present")]

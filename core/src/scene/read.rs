@@ -3,6 +3,7 @@
 
 use super::{CheckedScene, Field, SceneError, SceneFile, one_line, out_of_range, problem};
 use crate::curve::{Curve, GAP, List, ScaledCurve};
+use crate::table::{Encoding, NotText, encoding, line_at};
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::error::Category;
@@ -113,13 +114,27 @@ fn unmarked(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
+/// Checks by the beginning of a file that JSON may follow.
+///
+/// # Errors
+/// What the file is instead: UTF-16, UTF-32, a compressed file, a workbook.
+pub fn is_json_text(beginning: &[u8]) -> Result<(), NotText> {
+    match encoding(beginning)? {
+        Encoding::Utf8 => Ok(()),
+        Encoding::Utf16Le | Encoding::Utf16Be => Err(NotText::Other("UTF-16", "save it as UTF-8")),
+    }
+}
+
 /// The text of bytes.
 ///
 /// # Errors
 /// One line if the bytes are not UTF-8.
 pub fn utf8(bytes: &[u8]) -> Result<&str, SceneError> {
-    std::str::from_utf8(bytes)
-        .map_err(|error| problem("file", &format!("{error}; allowed: JSON in UTF-8")))
+    let in_words = |error: NotText| problem("file", &error.to_string());
+    is_json_text(bytes).map_err(in_words)?;
+    std::str::from_utf8(bytes).map_err(|error| {
+        in_words(NotText::NotUtf8 { line: line_at(&bytes[..error.valid_up_to()]) })
+    })
 }
 
 pub(super) fn checked_scene(

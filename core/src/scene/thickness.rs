@@ -2,7 +2,7 @@
 
 use super::chest::LEAST_OF_TISSUE;
 use super::{SCENE_SCHEMA_3, Scene, SceneError, grid, out_of_range, problem};
-use crate::curve::number;
+use crate::curve::{number, whole};
 use crate::mesh::ThicknessField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,8 +16,10 @@ pub struct ThicknessGrid {
     /// Distance of neighbouring factors along the wall \[mm\], 0.5 to 50.
     pub spacing_mm: f64,
     /// Factors in a row, along x, 4 to 257.
+    #[serde(deserialize_with = "whole")]
     pub columns: usize,
     /// Rows, along y, 4 to 257.
+    #[serde(deserialize_with = "whole")]
     pub rows: usize,
     /// Row by row, x fastest, from −x, −y, centred on the pocket's centre, 0.05 to 20 \[-\].
     #[serde(serialize_with = "grid::written", deserialize_with = "grid::read")]

@@ -2,7 +2,7 @@
 
 use super::parameter::Parameter;
 use super::quantity::short;
-use crate::curve::number;
+use crate::curve::{number, whole, whole_of};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +20,7 @@ pub struct Axis {
     /// Last value \[unit of the field\].
     pub to: f64,
     /// Number of values, 2 or more.
+    #[serde(deserialize_with = "whole")]
     pub count: usize,
 }
 
@@ -92,9 +93,13 @@ impl Axis {
         let field = Parameter::of_name(field.trim()).map_err(MapError::Field)?;
         let end = |text: &str| text.trim().parse::<f64>().map_err(|_| format());
         let (from, to, count) = (end(from)?, end(to)?, count.trim());
-        let count = count
-            .parse()
-            .map_err(|_| MapError::Count { field: field.name(), count: short(count) })?;
+        // 20.0 is a whole number, as in JSON.
+        let whole = count.parse().ok().or_else(|| {
+            let whole = count.parse().ok().and_then(whole_of);
+            whole.and_then(|count| usize::try_from(count).ok())
+        });
+        let count =
+            whole.ok_or_else(|| MapError::Count { field: field.name(), count: short(count) })?;
         Ok(Self { field, from, to, count })
     }
 

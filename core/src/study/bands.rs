@@ -12,7 +12,7 @@ use super::section_band::{SectionBand, section_band};
 use super::sequence::{MAX_SAMPLES, quantile, unit_sample};
 use super::{Case, PointStatus, Profile, Quantity, Unknown};
 use crate::clinical::spread::{Distribution, METHOD_SCALES, Spread};
-use crate::curve::SCALES;
+use crate::curve::{SCALES, whole};
 use crate::measure::PROFILE_POINTS;
 use crate::scene::{Scene, SceneError, read};
 use schemars::JsonSchema;
@@ -32,11 +32,14 @@ pub const NOTES: [&str; 3] = [
 #[serde(deny_unknown_fields, default)]
 pub struct BandsSettings {
     /// Number of samples, 16 to 16384.
+    #[serde(deserialize_with = "whole")]
     pub samples: usize,
     /// Seed of the samples.
+    #[serde(deserialize_with = "whole")]
     pub seed: u32,
     /// Rows of the importance, 0 (no importance) to `samples`, 16 at least; a row costs one scene more than there are
     /// unknowns.
+    #[serde(deserialize_with = "whole")]
     pub importance_rows: usize,
     /// Grid and tolerance; default: 65 nodes of a sheet, 33 of layered tissue, 0.1 %.
     pub grid: Option<MapSettings>,

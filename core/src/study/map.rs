@@ -7,7 +7,7 @@ use super::map_levels::Skin;
 use super::parameter::{Parameter, with_values};
 use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
-use crate::curve::number;
+use crate::curve::{number, whole};
 use crate::measure::Status;
 use crate::scene::{Field, Scene, TissueModel, limits};
 use schemars::JsonSchema;
@@ -19,6 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[serde(deny_unknown_fields, default)]
 pub struct MapSettings {
     /// Nodes per side, 17 to 1025.
+    #[serde(deserialize_with = "whole")]
     pub nodes_per_side: usize,
     /// Greatest node position error allowed \[base radius\], 1e-7 to 1e-2.
     pub tolerance: f64,

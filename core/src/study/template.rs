@@ -3,6 +3,7 @@
 use super::parameter::{Parameter, ParameterError, with_values};
 use super::quantity::short;
 use crate::scene::{Field, Scene, SceneError};
+use crate::table::{Decimals, NumberError, Quantity};
 use serde_json::{Number, Value};
 
 /// A scene file in which the columns of a table replace values.
@@ -61,12 +62,22 @@ pub enum TemplateError {
         wanted: usize,
     },
     /// A cell of a number is empty or has other text.
-    #[error("{column} is {cell:?}; allowed: a number, as 12.5")]
+    #[error("{column} is {error}")]
     Number {
         /// The column.
         column: String,
-        /// The first 40 characters of the cell.
-        cell: String,
+        /// What is wrong.
+        error: NumberError,
+    },
+    /// A text stands behind the number of a cell.
+    #[error(
+        "{column} has a number and {unit:?}; allowed: a number, in the unit of the column's name"
+    )]
+    Unit {
+        /// The column.
+        column: String,
+        /// The first 40 characters of the text.
+        unit: String,
     },
 }
 
@@ -117,12 +128,16 @@ impl Template {
         }
     }
 
-    /// The scene of a row: a cell for each column, in their order. Numbers have a decimal point. The limits of the scene are not checked
+    /// The scene of a row: a cell for each column, in their order, with the decimal sign of their table. The limits of the scene are not checked
     /// ([`CheckedScene::like`](crate::scene::CheckedScene::like)).
     ///
     /// # Errors
     /// Cells are missing or in surplus; a cell is no number; the scene has no such value.
-    pub fn scene(&self, cells: &[impl AsRef<str>]) -> Result<Scene, TemplateError> {
+    pub fn scene(
+        &self,
+        cells: &[impl AsRef<str>],
+        decimals: Decimals,
+    ) -> Result<Scene, TemplateError> {
         let (found, wanted) = (cells.len(), self.columns.len());
         if found != wanted {
             return Err(TemplateError::Cells { found, wanted });
@@ -132,13 +147,13 @@ impl Template {
         for (column, cell) in self.columns.iter().zip(cells.iter().map(AsRef::as_ref)) {
             match &column.place {
                 Place::Number(parameter) => {
-                    let number = cell.trim().parse().ok().filter(|number: &f64| number.is_finite());
-                    numbers.push((*parameter, number.ok_or_else(|| column.no_number(cell))?));
+                    numbers.push((*parameter, column.number(cell, decimals)?.value));
                 }
                 Place::Value { pointer, is_number } => {
                     let value = if *is_number {
-                        let number = cell.trim().parse::<Number>();
-                        Value::Number(number.map_err(|_| column.no_number(cell))?)
+                        let Quantity { digits, value, .. } = column.number(cell, decimals)?;
+                        let whole = digits.parse::<i64>().map(Number::from).ok();
+                        Value::Number(whole.or_else(|| Number::from_f64(value)).unwrap_or(0.into()))
                     } else {
                         Value::from(cell)
                     };
@@ -161,8 +176,14 @@ impl Template {
 }
 
 impl Column {
-    fn no_number(&self, cell: &str) -> TemplateError {
-        TemplateError::Number { column: short(&self.name), cell: short(cell) }
+    fn number<'a>(&self, cell: &'a str, decimals: Decimals) -> Result<Quantity<'a>, TemplateError> {
+        let column = || short(&self.name);
+        let number = decimals.read(cell);
+        let number = number.map_err(|error| TemplateError::Number { column: column(), error })?;
+        match number.unit {
+            "" => Ok(number),
+            unit => Err(TemplateError::Unit { column: column(), unit: short(unit) }),
+        }
     }
 }
 
@@ -212,7 +233,7 @@ mod tests {
         "solver": { "nodes_per_side": 33 } }"#;
 
     fn scene(names: &[&str], cells: &[&str]) -> Result<Scene, TemplateError> {
-        Template::new(FILE, names)?.scene(cells)
+        Template::new(FILE, names)?.scene(cells, Decimals::Point)
     }
 
     #[test]
@@ -254,7 +275,16 @@ mod tests {
             ),
             (&["insertion", "pinch_mm"], &["1"], "1 cells; allowed: 2, one for each column"),
             (&["insertion"], &[""], "insertion is \"\"; allowed: a number, as 12.5"),
-            (&["insertion"], &["0,5"], "insertion is \"0,5\"; allowed: a number, as 12.5"),
+            (
+                &["insertion"],
+                &["1,250"],
+                "insertion is \"1,250\", with a separator of thousands; allowed: 1250",
+            ),
+            (
+                &["insertion"],
+                &["0.5 mm"],
+                "insertion has a number and \"mm\"; allowed: a number, in",
+            ),
             (&["insertion"], &["NaN"], "insertion is \"NaN\"; allowed: a number"),
             (
                 &["solver.nodes_per_side"],

@@ -20,7 +20,10 @@ mod scale;
 mod spec;
 
 pub use read::number;
-pub use read::{GAP, GivenCurve, List, Pair, given, given_object, object, present, present_object};
+pub use read::{
+    GAP, GivenCurve, List, Pair, given, given_object, object, present, present_object,
+    present_whole, whole, whole_of,
+};
 pub use scale::{SCALES, ScaledCurve};
 pub use spec::{CurveError, CurveSpec, Fat, Interpolation, Section};
 

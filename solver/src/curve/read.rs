@@ -6,7 +6,8 @@
 use super::{CurveSpec, Fat, Interpolation, MAX_COEFFICIENTS, MAX_POINTS, ScaledCurve, Section};
 use serde::de::value::{Error as ValueError, MapAccessDeserializer, StrDeserializer};
 use serde::de::{
-    Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+    Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, MapAccess, SeqAccess,
+    Unexpected, Visitor,
 };
 use std::fmt;
 use std::marker::PhantomData;
@@ -308,6 +309,50 @@ fn expected<'de, T: Deserialize<'de>>() -> String {
             words.trim_start_matches("one of ").to_owned()
         }
     }
+}
+
+/// Reads a whole number that has a default and is present, as [`present`] and [`whole`] do.
+pub fn present_whole<'de, T: TryFrom<u64>, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
+    struct Whole<T>(T);
+    impl<'de, T: TryFrom<u64>> Deserialize<'de> for Whole<T> {
+        fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+            whole(reader).map(Self)
+        }
+    }
+    present(reader).map(|Whole(read)| read)
+}
+
+/// Reads a whole number, 33.0 and 3.3e1 too.
+///
+/// # Errors
+/// The number has a fraction or is out of the range of its type.
+pub fn whole<'de, T: TryFrom<u64>, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
+    struct Reader<T>(PhantomData<T>);
+    impl<T: TryFrom<u64>> Visitor<'_> for Reader<T> {
+        type Value = T;
+
+        fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+            text.write_str("a whole number")
+        }
+
+        fn visit_u64<E: Error>(self, number: u64) -> Result<T, E> {
+            T::try_from(number).map_err(|_| E::invalid_value(Unexpected::Unsigned(number), &self))
+        }
+
+        fn visit_f64<E: Error>(self, number: f64) -> Result<T, E> {
+            let whole = whole_of(number).and_then(|whole| T::try_from(whole).ok());
+            whole.ok_or_else(|| E::invalid_type(Unexpected::Float(number), &self))
+        }
+    }
+    reader.deserialize_any(Reader(PhantomData))
+}
+
+/// The whole number of a real one, up to 2⁵³.
+#[must_use]
+pub fn whole_of(number: f64) -> Option<u64> {
+    const MOST: f64 = 9_007_199_254_740_992.0;
+    let is_whole = (0.0..=MOST).contains(&number) && number.fract() == 0.0;
+    is_whole.then_some(number as u64)
 }
 
 /// A list of at most `MAX` entries; reading stops at the first surplus entry.

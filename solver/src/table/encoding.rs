@@ -93,8 +93,16 @@ pub fn encoding(beginning: &[u8]) -> Result<Encoding, NotText> {
     match beginning {
         [0xff, 0xfe, ..] => Ok(Encoding::Utf16Le),
         [0xfe, 0xff, ..] => Ok(Encoding::Utf16Be),
-        [0, 0, 0, _, ..] | [_, 0, 0, 0, ..] => Err(NotText::Other(UTF32, AS_UTF8)),
-        [0, _, 0, _, ..] | [_, 0, _, 0, ..] => Err(NotText::Other(UTF16, AS_UTF8)),
+        // Where the zeros stand among the first four bytes.
+        [a, b, c, d, ..] => match [a, b, c, d].map(|byte| *byte == 0) {
+            [true, true, true, false] | [false, true, true, true] => {
+                Err(NotText::Other(UTF32, AS_UTF8))
+            }
+            [true, false, true, false] | [false, true, false, true] => {
+                Err(NotText::Other(UTF16, AS_UTF8))
+            }
+            _ => Ok(Encoding::Utf8),
+        },
         _ => Ok(Encoding::Utf8),
     }
 }
@@ -126,7 +134,8 @@ pub fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
 }
 
 /// The number of the line behind a text. A carriage return, a line feed, or both end a line.
-fn line_at(before: &[u8]) -> usize {
+#[must_use]
+pub fn line_at(before: &[u8]) -> usize {
     let is_end =
         |k: &usize| before[*k] == b'\n' || before[*k] == b'\r' && before.get(k + 1) != Some(&b'\n');
     1 + (0..before.len()).filter(is_end).count()

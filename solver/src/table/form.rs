@@ -15,15 +15,16 @@ pub struct Form {
     pub has_separator_line: bool,
 }
 
-/// The decimal signs that cells show.
+/// The decimal signs that cells of a table show.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shown {
+pub struct Shown {
     points: bool,
     commas: bool,
 }
 
 impl Shown {
-    pub(super) fn add(&mut self, cell: &str) {
+    /// Adds a cell.
+    pub fn add(&mut self, cell: &str) {
         match Decimals::shown_by(cell) {
             Decimals::Point => self.points = true,
             Decimals::Comma => self.commas = true,
@@ -49,16 +50,23 @@ impl Form {
         let has_separator_line = named.is_some();
         let separator = named.or_else(|| separator(beginning));
         let form = Self { separator, decimals: Decimals::Unknown, has_separator_line };
+        form.with_decimals(form.shown_by(beginning))
+    }
+
+    /// The decimal signs that the cells of a beginning show.
+    #[must_use]
+    pub fn shown_by(self, beginning: &[u8]) -> Shown {
         let mut shown = Shown::default();
-        form.visit(beginning, |row| {
-            cells(&text_of(row), form.separator()).for_each(|cell| shown.add(&cell));
+        self.visit(beginning, |row| {
+            cells(&text_of(row), self.separator()).for_each(|cell| shown.add(&cell));
             true
         });
-        form.with_decimals(shown)
+        shown
     }
 
     /// The form with the decimal sign that the cells of its table show.
-    pub(super) fn with_decimals(self, shown: Shown) -> Self {
+    #[must_use]
+    pub fn with_decimals(self, shown: Shown) -> Self {
         let decimals = match (shown.points, shown.commas) {
             (true, false) => Decimals::Point,
             (false, true) => Decimals::Comma,

@@ -9,9 +9,8 @@ mod form;
 mod number;
 mod rows;
 
-pub use encoding::{Encoding, NotText, decode, encoding};
-pub use form::Form;
-use form::Shown;
+pub use encoding::{Encoding, NotText, decode, encoding, line_at};
+pub use form::{Form, Shown};
 pub use number::{Decimals, NumberError, Quantity};
 pub use rows::{MAX_ROW_BYTES, RawRow, RowFault, Rows, cells};
 

@@ -1,8 +1,12 @@
-//! Input: whole files up to a size, and scenes one per line for as long as lines come.
+//! Input: whole files up to a size, and scenes for as long as they come: one per line, one behind the other, or a row each.
 
+use super::InputError;
 use super::output::{input_error, is_standard};
-use super::{InputError, parquet, standard};
+use super::rows::TableRows;
+use super::standard;
+use super::values::Values;
 use crate::scene::{MAX_SCENE_BYTES, read};
+use crate::table::{Decimals, RawRow};
 use std::collections::VecDeque;
 use std::fs::{File, metadata};
 use std::io::{self, BufRead, BufReader, Cursor, Read};
@@ -23,35 +27,51 @@ fn cannot_be_read(path: &Path, error: &io::Error) -> InputError {
     input_error(path, format!("cannot be read: {error}"))
 }
 
-type Reader = Box<dyn Read + Send>;
+pub(super) type Reader = Box<dyn Read + Send>;
 
-fn open(path: &Path) -> io::Result<Reader> {
+pub(super) fn open(path: &Path) -> io::Result<Reader> {
     if is_standard(path) && standard::is_input_closed() {
         return Err(io::Error::other("it is closed"));
     }
     Ok(if is_standard(path) { Box::new(io::stdin()) } else { Box::new(File::open(path)?) })
 }
 
-/// A file of one scene, or of one scene per line.
+/// A file of scenes.
 pub(super) struct Source {
     path: PathBuf,
-    /// One scene per line?
-    pub(super) is_lines: bool,
-    /// Has the file a line that is not blank?
+    kind: Kind,
+    /// Has a file of one scene per line no line that is not blank?
     pub(super) is_empty: bool,
-    /// What was opened and is read on: it cannot be opened again, as standard input, or its first lines were taken.
-    opened: Option<BufReader<Reader>>,
-    /// Number of lines that were taken; 1 after a whole text.
+    /// What was opened and is read on: it cannot be opened again, as standard input, or its beginning was taken.
+    opened: Option<Opened>,
+    /// Number of lines or scenes that were taken; 1 after a whole text.
     taken: usize,
     /// Length of the text, of a file of text \[bytes\].
     length: Option<u64>,
+}
+
+/// How scenes stand in a source.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// The whole text is one scene.
+    One,
+    /// One scene behind the other, each over any number of lines.
+    Values,
+    Lines,
+    Rows,
+}
+
+enum Opened {
+    Bytes(BufReader<Reader>),
+    Values(Values<BufReader<Reader>>),
+    Rows(Box<TableRows>),
 }
 
 /// Greatest length of what is read of a line or a scene \[bytes\]: one more than the parser accepts.
 const MOST_BYTES: u64 = MAX_SCENE_BYTES as u64 + 1;
 
 impl Source {
-    /// Opens a file; `is_lines` for one scene per line, `None` to find out by the first two lines.
+    /// Opens a file; `is_lines` for one scene per line, `None` to find out by the beginning.
     pub(super) fn open(path: &Path, is_lines: Option<bool>) -> Result<Self, InputError> {
         let begin = || {
             let mut reader = BufReader::new(open(path)?);
@@ -67,74 +87,109 @@ impl Source {
                     lines.push(from..start.len());
                 }
             }
+            if let Err(error) = read::is_json_text(&start) {
+                return Ok(Err(input_error(path, error)));
+            }
             let text =
                 |k: usize| lines.get(k).and_then(|line| read::utf8(&start[line.clone()]).ok());
             let found = text(0).zip(text(1)).is_some_and(|(a, b)| read::begin_lines(a, b));
             let is_empty = wanted > 0 && lines.is_empty();
+            let kind = if is_lines.unwrap_or(found) {
+                Kind::Lines
+            } else {
+                reader.by_ref().take(MOST_BYTES).read_to_end(&mut start)?;
+                if has_several(&start)? { Kind::Values } else { Kind::One }
+            };
             let all: Reader = Box::new(Cursor::new(start).chain(reader));
-            let opened = (!is_file(path)).then(|| BufReader::new(all));
+            let opened = (!is_file(path)).then(|| Opened::of(all, kind));
             let length = if is_file(path) { Some(metadata(path)?.len()) } else { None };
-            let (path, is_lines) = (path.to_owned(), is_lines.unwrap_or(found));
-            Ok(Self { path, is_lines, is_empty, opened, taken: 0, length })
+            Ok(Ok(Self { path: path.to_owned(), kind, is_empty, opened, taken: 0, length }))
         };
-        begin().map_err(|error| cannot_be_read(path, &error))
+        begin().map_err(|error| cannot_be_read(path, &error))?
     }
 
-    /// Opens a table, CSV or a Parquet file, as lines.
+    /// Opens a table, CSV or a Parquet file.
     pub(super) fn of_table(path: &Path) -> Result<Self, InputError> {
-        if !parquet::is_parquet(path) {
-            return Self::open(path, Some(true));
-        }
-        let lines: Reader = Box::new(parquet::Lines::open(path)?);
-        let opened = Some(BufReader::new(lines));
+        let rows = TableRows::open(path)?;
+        let length = metadata(path).ok().filter(|_| rows.is_as_stored && is_file(path));
+        let length = length.map(|found| found.len());
+        let opened = Some(Opened::Rows(Box::new(rows)));
         let path = path.to_owned();
-        Ok(Self { path, is_lines: true, is_empty: false, opened, taken: 0, length: None })
+        Ok(Self { path, kind: Kind::Rows, is_empty: false, opened, taken: 0, length })
+    }
+
+    /// Is the whole text one scene?
+    pub(super) fn is_one(&self) -> bool {
+        self.kind == Kind::One
+    }
+
+    /// One scene per line?
+    pub(super) fn is_lines(&self) -> bool {
+        self.kind == Kind::Lines
     }
 
     /// The whole text, of a file of one scene.
     pub(super) fn whole(&mut self) -> Result<Vec<u8>, InputError> {
-        let Self { path, opened, .. } = self;
-        let read = whole(opened.take(), path);
-        read.map_err(|error| cannot_be_read(path, &error))
+        self.read_whole().map_err(|error| cannot_be_read(&self.path, &error))
     }
 
-    /// Takes the next line that is not blank; empty at the end.
-    pub(super) fn take_line(&mut self) -> Result<Vec<u8>, InputError> {
-        let line = self.next_line().map_err(|error| cannot_be_read(&self.path, &error))?;
-        Ok(line.unwrap_or_default())
+    fn read_whole(&mut self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        match self.opened.take() {
+            Some(Opened::Bytes(reader)) => reader.take(MOST_BYTES).read_to_end(&mut bytes)?,
+            _ => File::open(&self.path)?.take(MOST_BYTES).read_to_end(&mut bytes)?,
+        };
+        Ok(bytes)
     }
 
-    fn next_line(&mut self) -> io::Result<Option<Vec<u8>>> {
-        if self.opened.is_none() {
-            self.opened = Some(BufReader::new(open(&self.path)?));
-        }
-        let Some(reader) = &mut self.opened else { return Ok(None) };
-        loop {
-            let mut bytes = Vec::new();
-            if reader.by_ref().take(MOST_BYTES).read_until(b'\n', &mut bytes)? == 0 {
+    /// The first row of a table that is not empty, and the separator of its cells.
+    pub(super) fn header(&mut self) -> Result<(Option<RawRow>, u8), InputError> {
+        let Some(Opened::Rows(rows)) = &mut self.opened else { return Ok((None, b',')) };
+        let header = rows.next_row().map_err(|error| cannot_be_read(&self.path, &error))?;
+        Ok((header, rows.separator()))
+    }
+
+    /// Number of empty rows of a table that were left out so far.
+    pub(super) fn empty_rows(&self) -> Option<Arc<AtomicU64>> {
+        let Some(Opened::Rows(rows)) = &self.opened else { return None };
+        Some(rows.empty_rows())
+    }
+
+    /// The next text with its line; `None` at the end.
+    fn next_text(&mut self) -> io::Result<Option<(usize, Content)>> {
+        if self.kind == Kind::One {
+            if self.taken > 0 {
                 return Ok(None);
             }
-            self.taken += 1;
-            if bytes.len() as u64 == MOST_BYTES && !bytes.ends_with(b"\n") {
-                reader.skip_until(b'\n')?;
+            let text = self.read_whole()?;
+            self.taken = 1;
+            return Ok(Some((1, Content::Json(text))));
+        }
+        if self.opened.is_none() {
+            self.opened = Some(Opened::of(open(&self.path)?, self.kind));
+        }
+        let (taken, opened) = (&mut self.taken, &mut self.opened);
+        match opened {
+            Some(Opened::Bytes(reader)) => {
+                let line = next_line(reader, taken)?;
+                Ok(line.map(|bytes| (*taken, Content::Json(bytes))))
             }
-            if !bytes.trim_ascii().is_empty() {
-                return Ok(Some(bytes));
+            Some(Opened::Values(values)) => {
+                let value = values.next_value()?;
+                Ok(value.map(|(line, bytes)| {
+                    *taken = line;
+                    (line, Content::Json(bytes))
+                }))
             }
+            Some(Opened::Rows(rows)) => {
+                let row = rows.next_row()?;
+                Ok(row.map(|row| {
+                    *taken = row.line;
+                    (row.line, Content::Row(row, rows.decimals()))
+                }))
+            }
+            None => Ok(None),
         }
-    }
-
-    /// The next text, a line or the whole of a file of one scene; `None` at the end.
-    fn next_text(&mut self) -> io::Result<Option<Vec<u8>>> {
-        if self.is_lines {
-            return self.next_line();
-        }
-        if self.taken > 0 {
-            return Ok(None);
-        }
-        let text = whole(self.opened.take(), &self.path)?;
-        self.taken = 1;
-        Ok(Some(text))
     }
 
     /// Can the source be read again?
@@ -147,17 +202,68 @@ impl Source {
     }
 }
 
-fn is_file(path: &Path) -> bool {
-    !is_standard(path) && metadata(path).is_ok_and(|found| found.is_file())
+impl Opened {
+    fn of(reader: Reader, kind: Kind) -> Self {
+        let reader = BufReader::new(reader);
+        match kind {
+            Kind::Values => {
+                Self::Values(Values::new(reader, usize::try_from(MOST_BYTES).unwrap_or(usize::MAX)))
+            }
+            _ => Self::Bytes(reader),
+        }
+    }
 }
 
-fn whole(opened: Option<BufReader<Reader>>, path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    match opened {
-        Some(reader) => reader.take(MOST_BYTES).read_to_end(&mut bytes)?,
-        None => File::open(path)?.take(MOST_BYTES).read_to_end(&mut bytes)?,
-    };
-    Ok(bytes)
+/// Takes the next line that is not blank, and counts the lines.
+fn next_line(reader: &mut BufReader<Reader>, taken: &mut usize) -> io::Result<Option<Vec<u8>>> {
+    loop {
+        let mut bytes = Vec::new();
+        if reader.by_ref().take(MOST_BYTES).read_until(b'\n', &mut bytes)? == 0 {
+            return Ok(None);
+        }
+        if *taken == 0
+            && let Err(error) = read::is_json_text(&bytes)
+        {
+            return Err(io::Error::other(format!("the input {error}")));
+        }
+        *taken += 1;
+        if bytes.len() as u64 == MOST_BYTES && !bytes.ends_with(b"\n") {
+            reader.skip_until(b'\n')?;
+        }
+        if !bytes.trim_ascii().is_empty() {
+            return Ok(Some(bytes));
+        }
+    }
+}
+
+/// Does an object follow the first one?
+fn has_several(beginning: &[u8]) -> io::Result<bool> {
+    let mut values = Values::new(beginning, 0);
+    Ok(values.peek()? == Some(b'{')
+        && values.next_value()?.is_some()
+        && values.peek()? == Some(b'{'))
+}
+
+/// What is read of a scene.
+pub(super) enum Content {
+    /// JSON text.
+    Json(Vec<u8>),
+    /// A row of a table, and the decimal sign of the rows so far.
+    Row(RawRow, Decimals),
+}
+
+impl Content {
+    fn len(&self) -> usize {
+        match self {
+            Self::Json(bytes) => bytes.len(),
+            // The row's end is a byte at least.
+            Self::Row(row, _) => row.bytes.len() + 1,
+        }
+    }
+}
+
+pub(super) fn is_file(path: &Path) -> bool {
+    !is_standard(path) && metadata(path).is_ok_and(|found| found.is_file())
 }
 
 /// The text of a scene and its place.
@@ -166,8 +272,8 @@ pub(super) struct Text {
     pub(super) source: usize,
     /// The line, from 1; 1 for a file of one scene.
     pub(super) line: usize,
-    /// The text, or why it cannot be read.
-    pub(super) bytes: Result<Vec<u8>, String>,
+    /// What was read, or why nothing can be read.
+    pub(super) content: Result<Content, String>,
 }
 
 /// The texts of the scenes of several sources, one source after the other.
@@ -198,13 +304,13 @@ impl Iterator for Texts {
             let ends = !matches!(found, Ok(Some(_)));
             let (line, index) = (source.taken, self.source);
             let text = match found.transpose() {
-                Some(Ok(bytes)) => {
-                    self.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-                    Some(Text { source: index, line, bytes: Ok(bytes) })
+                Some(Ok((line, content))) => {
+                    self.bytes.fetch_add(content.len() as u64, Ordering::Relaxed);
+                    Some(Text { source: index, line, content: Ok(content) })
                 }
                 Some(Err(error)) => {
-                    let bytes = Err(format!("cannot be read: {error}"));
-                    Some(Text { source: index, line: line + 1, bytes })
+                    let content = Err(format!("cannot be read: {error}"));
+                    Some(Text { source: index, line: line + 1, content })
                 }
                 None => None,
             };

@@ -15,6 +15,7 @@ mod curve;
 mod input;
 mod output;
 mod parquet;
+mod rows;
 mod schema;
 mod simulate;
 mod stability;
@@ -23,7 +24,9 @@ mod stream;
 mod stress;
 mod studies;
 mod tension;
+mod utf16;
 mod validate;
+mod values;
 
 use clap::{Parser, Subcommand};
 use std::fmt::Display;

@@ -1,6 +1,6 @@
 //! Scenes one after the other on threads: a line of the result, or of an error, for each, written at once.
 
-use super::super::input::{Source, Text, Texts};
+use super::super::input::{Content, Source, Text, Texts};
 use super::super::output::{self, LineFile};
 use super::super::parquet::ParquetFile;
 use super::super::stream::{self, End, Progress};
@@ -16,6 +16,7 @@ use crate::simulate::Simulator;
 use crate::solve::Options;
 use crate::study::many::{Many, ManySettings};
 use crate::study::runner::panic_line;
+use crate::table::RawRow;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -91,8 +92,8 @@ enum Answer {
 
 impl Run {
     fn answer(&self, worker: &mut Worker, text: Text) -> Answer {
-        let Text { source, line, bytes } = text;
-        let (key, scene) = self.scene(bytes, worker.scene.as_ref());
+        let Text { source, line, content } = text;
+        let (key, scene) = self.scene(content, worker.scene.as_ref());
         match self.done.lock().unwrap_or_else(PoisonError::into_inner).take(&key) {
             Found::Line => return Answer::Done,
             Found::Changed => _ = self.changed.fetch_add(1, Ordering::Relaxed),
@@ -112,21 +113,22 @@ impl Run {
     /// The scene of a text and what it is known by.
     fn scene(
         &self,
-        bytes: Result<Vec<u8>, String>,
+        content: Result<Content, String>,
         earlier: Option<&CheckedScene>,
     ) -> (Key, Result<CheckedScene, String>) {
         let in_words = |error: SceneError| error.to_string();
-        match (bytes, &self.table) {
+        match (content, &self.table) {
             (Err(error), _) => (Key::of(""), Err(error)),
-            (Ok(bytes), Some(table)) => {
-                let (key, scene) = table.scene(&bytes);
+            (Ok(Content::Row(row, decimals)), Some(table)) => {
+                let (key, scene) = table.scene(&row, decimals);
                 let like = |scene| CheckedScene::like(scene, earlier).map_err(in_words);
                 (key, scene.and_then(like))
             }
-            (Ok(bytes), None) => {
+            (Ok(Content::Json(bytes) | Content::Row(RawRow { bytes, .. }, _)), _) => {
                 let scene = read::utf8(&bytes)
                     .and_then(|text| CheckedScene::from_json_after(text, earlier));
-                (Key::of(&String::from_utf8_lossy(&bytes)), scene.map_err(in_words))
+                let key = Key::of(&String::from_utf8_lossy(&bytes));
+                (key, scene.map_err(|error| with_cause(error.to_string(), &bytes)))
             }
         }
     }
@@ -152,6 +154,20 @@ impl Run {
     }
 }
 
+/// The error of a line, with its cause where a carriage return alone parts scenes.
+fn with_cause(error: String, line: &[u8]) -> String {
+    let is_parted = line
+        .trim_ascii()
+        .split(|byte| *byte == b'\r')
+        .skip(1)
+        .any(|part| part.trim_ascii().starts_with(b"{"));
+    if is_parted && error.contains("trailing characters") {
+        return "a carriage return alone ends no line; allowed: lines that end with a line feed"
+            .to_owned();
+    }
+    error
+}
+
 /// Solves the scenes of the sources and writes a line for each.
 pub(super) fn run(
     arguments: &Arguments,
@@ -175,6 +191,7 @@ pub(super) fn run(
         sources => sources.iter().map(|source| source.path().display().to_string()).collect(),
     };
     let done = Mutex::new(done.unwrap_or_default());
+    let empty_rows = sources.iter().find_map(Source::empty_rows);
     let changed = Arc::new(AtomicU64::new(0));
     let run = Run { format, table, most_ms: *most_ms, done, changed: Arc::clone(&changed), names };
     let (texts, bytes, all_bytes) = Texts::new(sources);
@@ -212,6 +229,11 @@ pub(super) fn run(
     })?;
     drop(progress);
     file.finish()?;
+    match empty_rows.map_or(0, |rows| rows.load(Ordering::Relaxed)) {
+        0 => {}
+        1 => output::warn("1 empty row of the table is left out"),
+        rows => output::warn(&format!("{rows} empty rows of the table are left out")),
+    }
     if skipped > 0 {
         output::warn(&format!("--skip-done: {skipped} scenes have a line already"));
     }

@@ -24,7 +24,7 @@ use table::Table;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Scene files, JSON or JSON lines; `-` is standard input.
+    /// Scene files: JSON, a scene or several one behind the other, or JSON lines; `-` is standard input.
     #[arg(required_unless_present = "table", value_name = "SCENE.json")]
     scenes: Vec<PathBuf>,
     /// A scene in which the rows of `--table` replace values.
@@ -104,7 +104,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let is_stream =
         arguments.lines || is_table || arguments.skip_done.is_some() || arguments.unordered;
     if let [source] = &mut sources[..]
-        && !(source.is_lines || is_stream)
+        && source.is_one()
+        && !is_stream
     {
         let scene = checked(source)?;
         let outputs = solve(arguments, mesh, &scene, &format.selection)?;
@@ -116,11 +117,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         return Err(InputError(line.to_owned()));
     }
     for source in &mut sources {
-        if source.is_lines && source.is_empty && !arguments.lines {
+        if source.is_lines() && source.is_empty && !arguments.lines {
             let line = "file is empty; allowed: one scene per line";
             return Err(output::input_error(source.path(), line));
         }
-        if !source.is_lines && source.is_file() {
+        if source.is_one() && source.is_file() {
             checked(source)?;
         }
     }
