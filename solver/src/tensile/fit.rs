@@ -110,10 +110,10 @@ impl Rise {
             knots.extend(&halves);
             knots.sort_unstable();
             let finer = self.least_squares(samples, &knots)?;
-            // Akaike's criterion of the knots added.
+            // Schwarz's criterion of the knots added.
             let gain =
                 samples.len() as f64 * (squares(samples, &found) / squares(samples, &finer)).ln();
-            if halves.is_empty() || gain < 2.0 * halves.len() as f64 {
+            if halves.is_empty() || gain < (samples.len() as f64).ln() * halves.len() as f64 {
                 let rounded =
                     found.points.iter().map(|[strain, stress]| [digits(*strain), digits(*stress)]);
                 return self.raised(rounded.collect()).or(Ok(found));
