@@ -1,6 +1,6 @@
 //! The answers of a report: a word, a figure and a bar each.
 
-use super::page::{escaped, put};
+use super::html::{escaped, put};
 use crate::app::answer::Bar;
 use crate::view::color::Rgb;
 use std::fmt::Write as _;

@@ -1,10 +1,11 @@
 //! Picture and report: the composed picture as PNG or in the clipboard, and one HTML file with pictures, plan, results and
 //! the plan's file. The report loads nothing and runs no script.
 //!
-//! `offscreen` (pictures of contents that are not on the screen) | `figure` (the composed picture), `page` (the HTML), `answers` (its bars).
+//! `offscreen` (pictures of contents that are not on the screen) | `figure` (the composed picture), `page` (the HTML), `answers` (its bars), `html` (texts).
 
 mod answers;
 mod figure;
+mod html;
 mod offscreen;
 mod page;
 

@@ -2,6 +2,7 @@
 
 use super::DISCLAIMER;
 use super::answers::{self, answers};
+use super::html::{escaped, put};
 use crate::app::answer::Bar;
 use crate::app::fill_steps;
 use crate::app::texts::{self, tr};
@@ -62,7 +63,7 @@ pub(super) struct Page {
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-width:860px;margin:24px auto;padding:0 16px}\
     h1{font-size:22px;margin:0}h2{font-size:17px;margin:22px 0 6px}img{max-width:100%;box-sizing:border-box;border:1px solid #ccc}\
     table{border-collapse:collapse}th,td{padding:3px 14px 3px 0;text-align:left;vertical-align:top;\
-    border-bottom:1px solid #e4e4e4}tr,table,img,.note,.answers,figure{break-inside:avoid}.numbers .number{text-align:right;white-space:nowrap;padding-right:8px;font-variant-numeric:tabular-nums}\
+    border-bottom:1px solid #e4e4e4}tr,table,img,.note,.answers,figure{break-inside:avoid}.number{text-align:right;white-space:nowrap;padding-right:8px;font-variant-numeric:tabular-nums}\
     .wide{overflow-x:auto}.steps th,.steps td{padding-right:8px}.quiet{color:#666;font-size:13px}pre{font-size:12px;white-space:pre-wrap;overflow-wrap:anywhere}\
     .note{border-left:4px solid #b26a00;padding-left:10px}.pair{display:flex;flex-wrap:wrap;gap:0 28px}.pair>div{flex:1 1 300px}\
     .poses{display:flex;gap:10px;margin:10px 0}.poses figure{flex:1 1 0;min-width:0;margin:0}figcaption{color:#666;font-size:13px}.implant{font-weight:600;margin:6px 0}\
@@ -223,22 +224,24 @@ fn picture(page: &mut String, picture: &Picture) {
     }
 }
 
-pub(super) fn put(page: &mut String, tag: &str, text: &str) {
-    let _ = write!(page, "<{tag}>{}</{tag}>", escaped(text));
-}
-
 /// A table of texts with its heads.
 fn table(page: &mut String, class: &str, head: &[String], rows: &[Vec<String>]) {
     // A wide table scrolls within the page of a phone.
-    let _ = write!(page, "<div class=\"wide\"><table class=\"{class}\"><thead>");
-    let row = |page: &mut String, tag: &str, cells: &[String]| {
+    let _ = write!(page, "<div class=\"wide\"><table class=\"{class}\"><thead><tr>");
+    let is_number = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit());
+    let class = |is_number: bool| if is_number { " class=\"number\"" } else { "" };
+    for (k, cell) in head.iter().enumerate() {
+        let class = class(rows.iter().filter_map(|row| row.get(k)).any(is_number));
+        let _ = write!(page, "<th{class}>{}</th>", escaped(cell));
+    }
+    page.push_str("</tr></thead>");
+    for cells in rows {
         page.push_str("<tr>");
-        cells.iter().for_each(|cell| put(page, tag, cell));
+        for cell in cells {
+            let _ = write!(page, "<td{}>{}</td>", class(is_number(cell)), escaped(cell));
+        }
         page.push_str("</tr>");
-    };
-    row(page, "th", head);
-    page.push_str("</thead>");
-    rows.iter().for_each(|cells| row(page, "td", cells));
+    }
     page.push_str("</table></div>");
 }
 
@@ -259,21 +262,6 @@ fn numbers(page: &mut String, rows: &[(String, Vec<[String; 2]>)]) {
         page.push_str("</tr>");
     }
     page.push_str("</table></div>");
-}
-
-/// A text with the signs of HTML as characters.
-pub(super) fn escaped(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => result.push_str("&amp;"),
-            '<' => result.push_str("&lt;"),
-            '>' => result.push_str("&gt;"),
-            '"' => result.push_str("&quot;"),
-            c => result.push(c),
-        }
-    }
-    result
 }
 
 #[cfg(test)]
