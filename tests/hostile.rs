@@ -260,6 +260,63 @@ fn a_long_tensile_test_is_read_soon() {
     assert!(time < 8 * SOON, "{time:?}");
 }
 
+/// Tables of sizes of cells that are often right.
+fn shelf_bytes() -> impl Strategy<Value = Vec<u8>> {
+    const HEADS: [&str; 4] = [
+        "Ref.;Width (cm);Height;Projection;Volume",
+        "Name;Ø;Höhe;cc;x",
+        "Title\n;;;;\nP;W;Base;Vol. (cc);Ref.",
+        "",
+    ];
+    const CELLS: [&str; 20] = [
+        "12", "11,5", "39", "4.1", "4", "275", "300 cc", "12.0 cm", "118 mm", "1.250", "A-1",
+        "A-1", "* note", "é", "", "\"", "1e308", "NaN", "-3", "0",
+    ];
+    let rows = vec(vec(0..CELLS.len(), 5), 0..8);
+    (0..HEADS.len(), rows, prop::sample::select(&[";", "\t", ","][..])).prop_map(
+        |(head, rows, separator)| {
+            let row =
+                |cells: &Vec<usize>| cells.iter().map(|k| CELLS[*k]).collect::<Vec<_>>().join(";");
+            let text = [HEADS[head].to_owned()]
+                .into_iter()
+                .chain(rows.iter().map(row))
+                .collect::<Vec<_>>()
+                .join("\n");
+            text.replace(';', separator).into_bytes()
+        },
+    )
+}
+
+#[test]
+fn tables_of_sizes_of_any_bytes_are_read_or_rejected_with_any_choice_of_columns() {
+    let accepted = std::cell::Cell::new(0);
+    let choices = || vec((0..8_usize, 0..12_usize), 0..6);
+    check(6000, &(shelf_bytes(), choices()), |(bytes, choices)| {
+        accepted.set(accepted.get() + i32::from(hostile::check_shelf(&bytes, &choices)));
+    });
+    assert!(accepted.get() > 150, "{accepted:?} are too few to say much");
+    // Tables of makers with a piece in place of others.
+    let tables: [&[u8]; 5] = [
+        include_bytes!("fixtures/shelf/en-title.csv"),
+        include_bytes!("fixtures/shelf/es-comas.csv"),
+        include_bytes!("fixtures/shelf/de-unicode.txt"),
+        include_bytes!("fixtures/shelf/fr-anatomique.csv"),
+        include_bytes!("fixtures/shelf/pt-diametro.csv"),
+    ];
+    accepted.set(0);
+    let edit = (any::<prop::sample::Index>(), 0..8_usize, shelf_bytes());
+    check(3000, &(0..5_usize, vec(edit, 0..4), choices()), |(k, edits, choices)| {
+        let mut bytes = tables[k].to_vec();
+        for (at, length, piece) in edits {
+            let at = at.index(bytes.len());
+            let to = (at + length).min(bytes.len());
+            bytes.splice(at..to, piece);
+        }
+        accepted.set(accepted.get() + i32::from(hostile::check_shelf(&bytes, &choices)));
+    });
+    assert!(accepted.get() > 1500, "{accepted:?} are too few to say much");
+}
+
 #[test]
 fn any_bytes_are_rejected() {
     check(10_000, &vec(any::<u8>(), 0..100), |bytes| {

@@ -326,15 +326,17 @@ fn the_reason_of_a_table_that_is_no_shelf_is_spanish() {
     for (text, reason) in [
         (
             "name;width_cm;volume_ml\nA;12;x",
-            "línea 2: volumen: «x»; permitido: un número de 0,4 a 3620",
+            "línea 2: volumen: \"x\"; permitido: un número, como 12,5",
         ),
         (
-            "name;diameter;volume_ml",
-            "línea 1: la columna «diameter» no tiene unidad; permitido: name, width_mm o",
+            "name;width_cm;volume_ml\nA;25;300",
+            "línea 2: anchura: «25»; permitido: un número de 2 a 24 cm",
         ),
+        ("name;color;volume_ml\nA;2;3", "ninguna columna es la anchura; permitido: una columna de"),
+        ("name;width_cm;volume_ml\nA;;300", "línea 2: la fila no tiene anchura; permitido: una"),
         (
-            "name;width_cm;volume_ml\nA;12",
-            "línea 2: 2 columnas; permitido: 3, como en la línea de los nombres",
+            "name;width_cm;volume_ml\n\"A;12",
+            "línea 2: unas comillas no se cierran; permitido: cada signo",
         ),
     ] {
         harness.state_mut().restore_shelf(text);

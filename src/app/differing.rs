@@ -1,4 +1,4 @@
-//! What differs between the plan and its pins beside the size: shape of the implant, skin, pinch, thickness, chest, pocket. The table of the comparison, the
+//! What differs between the plan and its pins beside the size: name and shape of the implant, skin, pinch, thickness, chest, pocket. The table of the comparison, the
 //! report and the captions of the pictures side by side contain only what differs.
 //!
 //! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
@@ -20,7 +20,8 @@ struct Given {
     is_in_captions: bool,
 }
 
-const GIVEN: [Given; 7] = [
+const GIVEN: [Given; 8] = [
+    Given { name: "Implant", unit: "", value: reference, is_in_captions: false },
     Given { name: "Shape", unit: "", value: shape_in_words, is_in_captions: false },
     Given { name: "Skin", unit: "", value: skin, is_in_captions: true },
     Given { name: "Pinch", unit: "cm", value: pinch, is_in_captions: true },
@@ -29,6 +30,12 @@ const GIVEN: [Given; 7] = [
     Given { name: "Chest", unit: "", value: chest_in_words, is_in_captions: true },
     Given { name: "Margin of the pocket", unit: "cm", value: margin, is_in_captions: true },
 ];
+
+/// The maker's name of the implant.
+fn reference(scene: &Scene) -> String {
+    let reference = &scene.implant_reference;
+    if reference.is_empty() { "–".to_owned() } else { reference.clone() }
+}
 
 fn skin(scene: &Scene) -> String {
     let measured = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
@@ -114,6 +121,14 @@ mod tests {
         let mut session = Session::new(scene.clone()).unwrap();
         session.apply(Command::Pin).unwrap();
         assert!(rows(&session).is_empty());
+        // A size of the shelf has its name.
+        scene.implant_reference = "RD-275 · 275 cc".to_owned();
+        let named = Command::Edit { scene: Box::new(scene.clone()), gesture: 2 };
+        session.apply(named).unwrap();
+        let names = ["RD-275 · 275 cc", "–"].map(str::to_owned).to_vec();
+        assert_eq!(rows(&session), [("Implant".to_owned(), names)]);
+        session.apply(Command::Undo).unwrap();
+        scene.implant_reference.clear();
         // Another size is in the rows of the table.
         scene.implant.projection_mm = 52.0;
         let edit = |scene: &Scene| Command::Edit { scene: Box::new(scene.clone()), gesture: 1 };

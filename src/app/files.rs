@@ -2,9 +2,11 @@
 //! page.
 
 use super::device::Device;
-use super::texts::tr;
+use super::texts::{shown, tr};
+use crate::clinical::Draft;
 use crate::scene::{MAX_SCENE_BYTES, Scene};
 use crate::study::volume_and_width;
+use crate::table::decode;
 use eframe::egui::{Context, DroppedFileHandle};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use web_time::{Duration, Instant};
@@ -285,11 +287,13 @@ fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
             megabytes
         ));
     }
-    match String::from_utf8(bytes) {
-        Ok(text) => FileEvent::Opened { name, text },
-        Err(_) => FileEvent::Failed(tr!(
-            "{name} is not a text file; allowed: a scene (JSON) or a table of sizes (CSV)",
-            name
+    let text = if is_table(&name) { Draft::text_of(&bytes) } else { decode(&bytes) };
+    match text {
+        Ok(text) => FileEvent::Opened { text: text.into_owned(), name },
+        Err(error) => FileEvent::Failed(tr!(
+            "{name} {error}; allowed: a scene (JSON) or a table of sizes (CSV)",
+            name,
+            error = shown(&error.to_string())
         )),
     }
 }

@@ -95,6 +95,9 @@ impl App {
         }
         toolbar::help(&ctx, &mut self.windows.show_help);
         self.windows.palette.show(&ctx, &self.shared, &mut self.actions);
+        if let Some(notice) = self.panels.range.shelf_preview(&ctx) {
+            self.notice = Some(notice);
+        }
         if self
             .windows
             .curve_window
@@ -305,7 +308,10 @@ impl App {
                 FileEvent::Opened { name, text } if is_table(&name) => {
                     match &mut self.windows.curve_window {
                         Some(window) => window.read_file(&name, text),
-                        None => self.panels.range.read_shelf(&name, &text),
+                        None => match self.panels.range.read_shelf(&name, &text) {
+                            Some(notice) => notice,
+                            None => continue,
+                        },
                     }
                 }
                 FileEvent::Opened { name, text } => {
@@ -372,7 +378,8 @@ impl App {
         let is_pressed = ctx.input(|input| input.key_pressed(Key::Escape));
         let is_elsewhere = self.windows.show_help
             || self.windows.curve_window.is_some()
-            || self.windows.palette.is_open();
+            || self.windows.palette.is_open()
+            || self.panels.range.has_preview();
         if !is_pressed || is_elsewhere || egui::Popup::is_any_open(ctx) {
             return;
         }

@@ -9,7 +9,7 @@ use super::widgets::remark;
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
 use crate::session::Session;
-use crate::study::{Nearest, NearestPlan, NoAnswer, Search, size_in_words};
+use crate::study::{Nearest, NearestPlan, NoAnswer, Search, name_in_words, size_in_words};
 use eframe::egui::{self, RichText, Ui};
 
 /// The searches of the nearest plans with an answer.
@@ -144,7 +144,7 @@ impl NearestSearch {
             }
             let last = session.last_answer().map(|answer| &answer.scene);
             let back = last.filter(|scene| {
-                let button = egui::Button::new(tr!("Back to {size}", size = texts::shown(&size_in_words(scene))));
+                let button = egui::Button::new(tr!("Back to {size}", size = texts::shown(&name_in_words(scene))));
                 ui.add(button.min_size(egui::vec2(0.0, height)))
                     .on_hover_text(tr("The last plan with an answer"))
                     .clicked()

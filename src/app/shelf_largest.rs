@@ -44,9 +44,9 @@ impl ShelfLargest {
         let width = 2.0 * scene.implant.base_radius_mm + ROUNDING_MM;
         let mut fitting: Vec<&ShelfSize> = sizes.shelf.sizes().iter().collect();
         fitting.retain(|size| size.width_mm() <= width);
-        fitting.sort_by(|a, b| b.size().volume_ml().total_cmp(&a.size().volume_ml()));
+        fitting.sort_by(|a, b| b.volume_ml().total_cmp(&a.volume_ml()));
         let base = Scene { insertion: 1.0, ..scene.clone() };
-        let plan = |size: &ShelfSize| Some((size.name().to_owned(), with_size(&base, size).ok()?));
+        let plan = |size: &ShelfSize| Some((size.label().to_owned(), with_size(&base, size).ok()?));
         let (names, scenes): (Vec<String>, Vec<Scene>) =
             fitting.into_iter().filter_map(plan).unzip();
         if (&names, &scenes) == (&self.names, &self.scenes) {

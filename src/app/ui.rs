@@ -136,7 +136,7 @@ impl App {
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
-        self.panels.range.shelf_line(ui, scene, self.panels.shelf_largest.words());
+        self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
         self.edits.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
@@ -171,7 +171,7 @@ impl App {
             NarrowTab::Implant => {
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
-                self.panels.range.shelf_line(ui, scene, self.panels.shelf_largest.words());
+                self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
                 self.insertion_row(ui, scene);
             }
             NarrowTab::Patient => self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger),

@@ -1,6 +1,8 @@
 //! Properties of any input, shared by the property tests and the fuzz targets.
 
-use implant_preview::clinical::{Measurements, PracticeTable};
+use implant_preview::clinical::{
+    Column, Draft, LengthUnit, MAX_SIZES, Measurements, PracticeTable, Reading, Shelf,
+};
 use implant_preview::curve::{Curve, CurveSpec, Fat, Interpolation, ScaledCurve, Section};
 use implant_preview::measure::{Fields, surfaces};
 use implant_preview::scene::{Scene, SceneError, read};
@@ -22,6 +24,49 @@ pub(crate) fn check_message(error: &impl ToString) {
     assert!(line.chars().count() < MESSAGE, "{} characters: {line:.500}", line.chars().count());
     assert!(!line.chars().any(char::is_control), "{line:?}");
     assert!(line.len() > 5, "{line:?} says nothing");
+}
+
+/// Checks that a table of sizes is rejected with one line, or read with any choice of its columns: every row is a size or left out with
+/// one line, every size has a dome of its numbers and a name that a scene allows, the shelf is equal after a round trip. Returns whether
+/// a row is a size.
+pub(crate) fn check_shelf(bytes: &[u8], choices: &[(usize, usize)]) -> bool {
+    let draft = Draft::text_of(bytes).map_err(|error| error.to_string());
+    let mut draft = match draft.and_then(|text| Draft::of(&text)) {
+        Ok(draft) => draft,
+        Err(line) => {
+            check_message(&line);
+            return false;
+        }
+    };
+    let mut is_size = false;
+    for choice in [None].into_iter().chain(choices.iter().map(Some)) {
+        if let Some((column, content)) = choice {
+            draft.choose(*column, Column::ALL[content % Column::ALL.len()]);
+            draft.choose_unit(
+                *column,
+                if content % 2 == 0 { LengthUnit::Mm } else { LengthUnit::Cm },
+            );
+        }
+        let Reading { shelf, skipped, skipped_rows } = draft.read();
+        assert!(skipped.len() <= skipped_rows && shelf.sizes().len() <= MAX_SIZES);
+        skipped.iter().for_each(|row| check_message(&row.reason));
+        let mut labels = HashSet::new();
+        for size in shelf.sizes() {
+            let (dome, label) = (size.size(), size.label());
+            assert!(labels.insert(label.to_owned()), "{label}");
+            assert!(!label.is_empty() && label.chars().count() <= 60, "{label}");
+            assert!(!label.chars().any(char::is_control), "{label:?}");
+            let is_kept = (dome.volume_ml() / size.volume_ml() - 1.0).abs() < 1e-9;
+            assert!(is_kept || size.note().is_some(), "{size:?}");
+            let listed = size.listed_projection_mm().unwrap_or(dome.projection_mm());
+            assert!((dome.projection_mm() - listed).abs() < 1e-9, "{size:?}");
+        }
+        is_size |= !shelf.sizes().is_empty();
+        if !shelf.sizes().is_empty() {
+            assert_eq!(Shelf::from_csv(&shelf.to_csv()).as_ref(), Ok(&shelf));
+        }
+    }
+    is_size
 }
 
 /// Checks that a practice table is rejected with one line, or equal after a round trip, with a volume within its rows at every width

@@ -168,7 +168,7 @@ const REFERENCE: &str = "implant.reference";
 /// Greatest way of the apex \[half of the base's height\]: it stays over the base.
 const MAX_APEX_SHIFT: f64 = 0.6;
 /// Least and greatest height of the base \[width\].
-const ASPECTS: (f64, f64) = (0.5, 2.0);
+const ASPECTS: (f64, f64) = crate::clinical::limits::ASPECT;
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(value: &f64) -> bool {

@@ -58,7 +58,7 @@ pub use map::{CHECK, Map, MapOptions, MapSettings, PointStatus};
 pub use map_check::{Difference, MapCheck};
 pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};
 pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
-pub use no_answer::{NoAnswer, size_in_words, volume_and_width};
+pub use no_answer::{NoAnswer, implant_in_words, name_in_words, size_in_words, volume_and_width};
 pub use parameter::{Parameter, ParameterError, with_values};
 pub use percentile::percentiles;
 pub use practice::{NoPractice, PRACTICE_MARGIN_MM, Practice, has_same_practice, is_of_practice};

@@ -109,6 +109,27 @@ pub fn volume_and_width(scene: &Scene) -> [String; 2] {
     [format!("{volume:.0}"), if height == width { width } else { format!("{width} × {height}") }]
 }
 
+/// The implant of a scene by its maker's name, as "RD-275 · 275 cc"; without one by its volume, as "300 ml".
+#[must_use]
+pub fn implant_in_words(scene: &Scene) -> String {
+    if scene.implant_reference.is_empty() {
+        let [volume, _] = volume_and_width(scene);
+        format!("{volume} ml")
+    } else {
+        scene.implant_reference.clone()
+    }
+}
+
+/// The implant of a scene by its maker's name; without one in a few words, as [`size_in_words`].
+#[must_use]
+pub fn name_in_words(scene: &Scene) -> String {
+    if scene.implant_reference.is_empty() {
+        size_in_words(scene)
+    } else {
+        scene.implant_reference.clone()
+    }
+}
+
 /// The implant of a scene in a few words, as "300 ml on 12 cm".
 #[must_use]
 pub fn size_in_words(scene: &Scene) -> String {

@@ -27,7 +27,10 @@ pub use practice::{
 };
 pub use practice_csv::is_practice_table;
 pub use pull::{GRIP_FORCE_N, GRIP_RADIUS_MM, pull_strain_scale};
-pub use shelf::{Listed, MAX_SIZES, Shelf, ShelfSize};
+pub use shelf::{
+    Column, Draft, DraftColumn, LengthUnit, MAX_SIZES, Reading, Shelf, ShelfSize, Skipped,
+    UnitOrigin,
+};
 pub use sizes::{
     Dimension, Expander, HALF_ELLIPSOID, ProfileClass, Size, dome_volume, typical_sizes,
 };
@@ -42,6 +45,8 @@ pub mod limits {
     pub const PROJECTION_MM: (f64, f64) = (2.0, 120.0);
     /// Fullness of an implant: volume by that of the cylinder around it \[-\].
     pub const FULLNESS: (f64, f64) = (0.55, 0.8);
+    /// Height by width of the base of an implant \[-\].
+    pub const ASPECT: (f64, f64) = (0.5, 2.0);
     /// Measured base width of a breast \[mm\].
     pub const MEASURED_WIDTH_MM: (f64, f64) = (60.0, 240.0);
     /// Pinch: thickness of a fold of skin and fat \[mm\].

@@ -6,8 +6,8 @@
 
 use super::limits;
 use super::practice::{Bound, Corrected, Correction, PracticeTable, source_of};
-use super::shelf::cells;
 use crate::curve::number;
+use crate::table;
 use std::fmt::Write as _;
 
 /// Greatest number of rows.
@@ -177,8 +177,13 @@ fn at(index: usize, error: &str) -> String {
     format!("line {}: {error}", index + 1)
 }
 
-fn separator(header: &str) -> char {
-    [';', '\t'].into_iter().find(|separator| header.contains(*separator)).unwrap_or(',')
+fn separator(header: &str) -> u8 {
+    let known = [b';', b'\t'];
+    known.into_iter().find(|separator| header.as_bytes().contains(separator)).unwrap_or(b',')
+}
+
+fn cells(line: &str, separator: u8) -> Vec<String> {
+    table::cells(line, separator).map(|cell| cell.trim().to_owned()).collect()
 }
 
 fn write(table: &PracticeTable) -> String {

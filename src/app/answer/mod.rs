@@ -20,7 +20,7 @@ use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::springs::Springs;
-use crate::study::volume_and_width;
+use crate::study::{implant_in_words, volume_and_width};
 use cards::{Answer, Card, cards};
 use draw::show_card;
 use eframe::egui::{self, RichText, Ui};
@@ -212,7 +212,8 @@ pub(super) fn headline(
 ) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
-    let [volume, width] = volume_and_width(plan);
+    let [_, width] = volume_and_width(plan);
+    let implant = implant_in_words(plan);
     let part = match plan.insertion {
         full if full >= 1.0 => String::new(),
         part => tr!(", {part:.0} % in place", part = 100.0 * part),
@@ -224,7 +225,7 @@ pub(super) fn headline(
         None => tr("no result.").to_owned(),
         Some(_) => answer.in_a_sentence(findings),
     };
-    format!("{volume} ml, {} cm{part}: {words}", texts::localized(width))
+    format!("{implant}, {} cm{part}: {words}", texts::localized(width))
 }
 
 /// The answer of a device in a few sentences, for screen readers.
@@ -242,7 +243,7 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         Status::NotConverged => tr("Not finished: do not use these numbers."),
         Status::Converged => tr("Up to date."),
     };
-    let [volume, width] = volume_and_width(session.scene()).map(texts::localized);
+    let [_, width] = volume_and_width(session.scene()).map(texts::localized);
     let answer = Answer::new(Some(outcome), session.scene(), session.problem());
     let strain =
         answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
@@ -268,8 +269,8 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         tr!("{width} cm wide and high", width)
     };
     tr!(
-        "{volume} ml {name}, {wide}.{strain}{cover}{pressure} {state}{warnings}",
-        volume,
+        "{size} {name}, {wide}.{strain}{cover}{pressure} {state}{warnings}",
+        size = implant_in_words(session.scene()),
         name,
         wide,
         strain,

@@ -151,7 +151,10 @@ fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> 
     let field = egui::TextEdit::singleline(&mut text)
         .id_salt(("name of a pin", letter))
         .char_limit(NAME_LENGTH)
-        .hint_text(tr("name"))
+        .hint_text(match pin.scene().implant_reference.as_str() {
+            "" => tr("name"),
+            reference => reference,
+        })
         .desired_width((ui.available_width() - 110.0).clamp(60.0, 180.0));
     let response = ui.add(field);
     response.widget_info(|| egui::WidgetInfo {

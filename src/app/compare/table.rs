@@ -377,10 +377,9 @@ fn is_zero(number: &str) -> bool {
 }
 
 fn name_of(pin: &Pin) -> String {
-    if pin.name().is_empty() {
-        tr!("Pin {letter}", letter = pin.letter())
-    } else {
-        pin.name().to_owned()
+    match (pin.name(), pin.scene().implant_reference.as_str()) {
+        ("", "") => tr!("Pin {letter}", letter = pin.letter()),
+        ("", name) | (name, _) => name.to_owned(),
     }
 }
 

@@ -159,7 +159,18 @@ fn implant_rows(
         Dimension::Projection => [tr("Projection"), tr("width"), tr("volume")],
     };
     let unusual = if size.is_typical() { "" } else { tr(" Outside the typical sizes.") };
-    remark(ui, tr!("{a} follows {b} and {c}.{unusual}", a, b, c, unusual)).on_hover_text(typical());
+    let reference = &scene.implant_reference;
+    if reference.is_empty() {
+        remark(ui, tr!("{a} follows {b} and {c}.{unusual}", a, b, c, unusual))
+            .on_hover_text(typical());
+    } else {
+        let name = RichText::new(reference).strong();
+        ui.add(egui::Label::new(name).truncate()).on_hover_text(tr!(
+            "{reference}: a size of the shelf. Another width, volume or projection is no longer this implant.{unusual}",
+            reference,
+            unusual
+        ));
+    }
     changed
 }
 

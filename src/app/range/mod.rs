@@ -1,7 +1,7 @@
 //! The range of implants at a glance: a chart over one or two numbers of the plan, each point one solved scene.
 //!
 //! `axes` (the numbers on offer, their words and units) | `plane` (values to points of the screen) | `colours` (scale and
-//! picture) | `readout` (values of a point in words) | `areas` (their words) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic) | `paint` (drawing) | `chart` (pointer
+//! picture) | `readout` (values of a point in words) | `areas` (their words) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic), `shelf_preview` (their table before it is taken) | `paint` (drawing) | `chart` (pointer
 //! and keys) | `controls` | `page` (chart, captions, files) | `figure` (the chart of the report). This file contains the choices and the studies behind the chart.
 
 mod areas;
@@ -16,6 +16,7 @@ mod pins;
 mod plane;
 mod readout;
 mod shelf;
+mod shelf_preview;
 
 pub(super) use page::within_text;
 pub(super) use plane::marks;

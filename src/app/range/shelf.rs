@@ -2,13 +2,13 @@
 
 use super::axes::Words;
 use super::plane::Plane;
+use super::shelf_preview::{Decision, Preview};
 use super::{Range, readout};
 use crate::app::action::Action;
 use crate::app::messages::Notice;
 use crate::app::texts::{shown, tr};
-use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{remark, set_accessible_name};
-use crate::clinical::{Listed, Shelf, ShelfSize};
+use crate::clinical::{Draft, HALF_ELLIPSOID, Shelf, ShelfSize};
 use crate::scene::{Field, Scene};
 use crate::study::{Map, Parameter, with_values};
 use eframe::egui::{self, Color32, Painter, Pos2, RichText, Stroke, Ui};
@@ -17,7 +17,9 @@ use eframe::egui::{self, Color32, Painter, Pos2, RichText, Stroke, Ui};
 const RADIUS: f32 = 3.5;
 const REACH: f32 = 9.0;
 /// Greatest height of the list \[points\].
-const LIST_HEIGHT: f32 = 150.0;
+const LIST_HEIGHT: f32 = 300.0;
+/// Greatest height of the field of a pasted table \[points\].
+const PASTED_HEIGHT: f32 = 70.0;
 
 /// The shelf and its dots for the present map.
 #[derive(Default)]
@@ -30,6 +32,8 @@ pub(in crate::app) struct Sizes {
     dots: Vec<Dot>,
     /// The table that is being pasted; `None` while the field is closed.
     pasted: Option<String>,
+    /// The table that is being looked at before it is taken.
+    preview: Option<Preview>,
 }
 
 /// A size within the axes.
@@ -62,7 +66,8 @@ impl Sizes {
             let at = map.place(&with_size(map.base(), size).ok()?)?;
             Some(Dot { index, at: (at[0], at[1]), words: words(size) })
         };
-        let sizes = self.shelf.sizes().iter().enumerate().filter(|_| is_over_sizes);
+        let sizes = self.shelf.sizes().iter().enumerate();
+        let sizes = sizes.filter(|(_, size)| is_over_sizes && size.is_round());
         self.dots = sizes.filter_map(dot).collect();
         self.key = Some(key);
     }
@@ -108,31 +113,45 @@ impl Sizes {
     }
 }
 
-/// A size with its name, as "Round 300: width 12 cm, 300 ml".
+/// A size with its name, as "RD-275 · 275 cc: width 12 cm, projection 3.7 cm".
 fn words(size: &ShelfSize) -> String {
-    let width = Words::of(Parameter::BaseWidth).text(size.width_mm());
-    let listed = match size.listed() {
-        Listed::Projection(projection) => {
-            tr!(
-                "projection {projection}",
-                projection = Words::of(Parameter::of(Field::Projection)).text(projection)
-            )
-        }
-        Listed::Volume(volume) => format!("{} ml", format_at_most(volume, 0, 2)),
-    };
-    tr!("{name}: width {width}, {listed}", name = size.name(), width, listed)
+    let dome = size.size();
+    tr!(
+        "{name}: width {width}, projection {projection}",
+        name = size.label(),
+        width = Words::of(Parameter::BaseWidth).text(size.width_mm()),
+        projection = Words::of(Parameter::of(Field::Projection)).text(dome.projection_mm())
+    )
 }
 
-/// The scene with a size of the shelf, a round one: exactly the listed numbers. The pocket keeps its margin.
+/// The scene with a size of the shelf: the listed numbers with the maker's name. The pocket keeps its margin. A plan of an older
+/// schema has neither fullness nor name: of width, projection and volume it keeps width and volume.
 pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
-    let listed = match size.listed() {
-        Listed::Projection(projection) => (Parameter::of(Field::Projection), projection),
-        Listed::Volume(volume) => (Parameter::Volume, volume),
-    };
-    let values = [(Parameter::BaseWidth, size.width_mm()), listed];
+    let dome = size.size();
     let mut scene = scene.clone();
     scene.implant.make_round();
-    with_values(&scene, &values).map_err(|error| error.to_string())
+    scene.implant.fullness = None;
+    let projection = Parameter::of(Field::Projection);
+    let mut values = vec![(Parameter::BaseWidth, size.width_mm())];
+    let is_named = scene.may_be_anatomical();
+    match (is_named, size.listed_projection_mm(), size.listed_volume_ml()) {
+        (true, ..) => {
+            values.push((projection, dome.projection_mm()));
+            if !size.is_round() {
+                values.push((Parameter::of(Field::BaseHeight), dome.base_height_mm()));
+            }
+            if (dome.fullness() - HALF_ELLIPSOID).abs() > 1e-9 {
+                scene.implant.fullness = Some(dome.fullness());
+            }
+        }
+        (false, _, Some(volume)) => values.push((Parameter::Volume, volume)),
+        (false, ..) => values.push((projection, dome.projection_mm())),
+    }
+    let mut scene = with_values(&scene, &values).map_err(|error| error.to_string())?;
+    if is_named {
+        size.label().clone_into(&mut scene.implant_reference);
+    }
+    Ok(scene)
 }
 
 impl Range {
@@ -145,8 +164,8 @@ impl Range {
         egui::CollapsingHeader::new(title).id_salt("shelf").show(ui, |ui| {
             self.shelf_buttons(ui, actions);
             if count == 0 {
-                remark(ui, tr("The sizes of your clinic from a table (CSV) with the columns name, width_cm (or width_mm) and \
-                    projection_cm (or projection_mm) or volume_ml. The table stays on this machine."));
+                remark(ui, tr("The sizes of your clinic from a table of the maker or your own (CSV): reference, width, projection, volume, \
+                    of anatomical implants the height. You check the columns before the table is taken. The table stays on this machine."));
                 return;
             }
             let mut removed = None;
@@ -157,17 +176,26 @@ impl Range {
                     }
                     ui.end_row();
                     for (index, size) in self.sizes.shelf.sizes().iter().enumerate() {
-                        let take = ui.link(size.name());
-                        set_accessible_name(&take, egui::Role::Button, &tr!("Take {name}", name = size.name()));
-                        if take.on_hover_text(tr("Take this size")).clicked() {
+                        let take = ui.link(size.label());
+                        set_accessible_name(&take, egui::Role::Button, &tr!("Take {name}", name = size.label()));
+                        let hover = size.note().map_or_else(|| tr("Take this size").to_owned(), |note| shown(&note));
+                        if take.on_hover_text(hover).clicked() {
                             event = Some(index);
                         }
                         let dome = size.size();
-                        ui.label(Words::of(Parameter::BaseWidth).text(size.width_mm()));
+                        let width = Words::of(Parameter::BaseWidth);
+                        ui.label(if size.is_round() {
+                            width.text(size.width_mm())
+                        } else {
+                            format!("{} × {}", width.number(size.width_mm()), width.text(dome.base_height_mm()))
+                        });
                         ui.label(Words::of(Parameter::of(Field::Projection)).text(dome.projection_mm()));
-                        ui.label(format!("{:.0} ml", dome.volume_ml()));
+                        ui.label(match size.listed_volume_ml() {
+                            Some(volume) => format!("{volume:.0} cc"),
+                            None => format!("{:.0} ml", dome.volume_ml()),
+                        });
                         let remove = ui.small_button("×");
-                        set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {name}", name = size.name()));
+                        set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {name}", name = size.label()));
                         if remove.clicked() {
                             removed = Some(index);
                         }
@@ -199,42 +227,62 @@ impl Range {
                     None => Some(String::new()),
                 };
             }
+            // Above the field, which grows with its table.
+            if let Some(text) = &self.sizes.pasted
+                && ui.button(tr("Use this table")).clicked()
+            {
+                actions.push(Action::ReadShelf(tr("The table").to_owned(), text.clone()));
+            }
             if self.sizes.is_in_use() && ui.button(tr("Remove all")).clicked() {
                 self.sizes.set(Shelf::default());
             }
         });
         if let Some(text) = &mut self.sizes.pasted {
             let field = egui::TextEdit::multiline(text)
-                .hint_text("name;width_cm;volume_ml")
+                .hint_text("Ref.;Width (cm);Projection (cm);Volume (cc)")
                 .desired_rows(3)
                 .desired_width(f32::INFINITY);
-            let response = ui.add(field);
-            set_accessible_name(&response, egui::Role::MultilineTextInput, tr("Table of sizes"));
-            if ui.button(tr("Use this table")).clicked() {
-                actions.push(Action::ReadShelf(tr("The table").to_owned(), text.clone()));
-            }
+            let scroll = egui::ScrollArea::vertical().id_salt("pasted").max_height(PASTED_HEIGHT);
+            let response = scroll.show(ui, |ui| ui.add(field)).inner;
+            let name = tr("Table of sizes");
+            set_accessible_name(&response, egui::Role::MultilineTextInput, name);
         }
     }
 
-    /// Puts the sizes of a table on the shelf; an invalid table leaves the shelf as it is.
-    pub(in crate::app) fn read_shelf(&mut self, name: &str, text: &str) -> Notice {
-        match Shelf::from_csv(text) {
-            Ok(shelf) => {
-                let count = shelf.sizes().len();
-                self.sizes.set(shelf);
-                self.sizes.pasted = None;
-                Notice::info(tr!(
-                    "{count} sizes of {name} are on the shelf, on the page Range of implants.",
-                    count,
-                    name
-                ))
+    /// Opens the preview of a table. Returns why there is none; the shelf stays as it is.
+    pub(in crate::app) fn read_shelf(&mut self, name: &str, text: &str) -> Option<Notice> {
+        match Draft::of(text) {
+            Ok(draft) => {
+                self.sizes.preview = Some(Preview::new(name, draft));
+                None
             }
-            Err(error) => Notice::error(tr!(
+            Err(error) => Some(Notice::error(tr!(
                 "{name} was not read; the shelf is unchanged. {error}.",
                 name,
                 error = shown(&error)
-            )),
+            ))),
         }
+    }
+
+    /// Is a table being looked at?
+    pub(in crate::app) fn has_preview(&self) -> bool {
+        self.sizes.preview.is_some()
+    }
+
+    /// Shows the preview of a table; returns a notice once the table is taken.
+    pub(in crate::app) fn shelf_preview(&mut self, ctx: &egui::Context) -> Option<Notice> {
+        let preview = self.sizes.preview.as_mut()?;
+        let decision = preview.show(ctx)?;
+        let Preview { name, .. } = self.sizes.preview.take()?;
+        let Decision::Take(shelf) = decision else { return None };
+        let count = shelf.sizes().len();
+        self.sizes.set(shelf);
+        self.sizes.pasted = None;
+        Some(Notice::info(tr!(
+            "{count} sizes of {name} are on the shelf, on the page Range of implants.",
+            count,
+            name
+        )))
     }
 
     /// Takes a size of the shelf: one step of the history, as an edit of the plan.
@@ -249,14 +297,8 @@ impl Range {
         }
     }
 
-    /// Lines with the name of the plan's size on the shelf, if the plan has one, and with the `largest` size that stays usual.
-    pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, scene: &Scene, largest: String) {
-        let implant = scene.implant;
-        let shelf = &self.sizes.shelf;
-        let name = shelf.name_of(2.0 * implant.base_radius_mm, implant.projection_mm);
-        if let Some(name) = name.filter(|_| implant.is_round()) {
-            remark(ui, tr!("On the shelf: {name}.", name));
-        }
+    /// The `largest` size of the shelf that stays usual, in a line.
+    pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, largest: String) {
         if !largest.is_empty() {
             remark(ui, largest).on_hover_text(
                 tr("No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \

@@ -8,7 +8,7 @@ use crate::app::widgets::keep_press;
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::Problem;
-use crate::study::size_in_words;
+use crate::study::name_in_words;
 use crate::view::camera::{Ball, Camera};
 use crate::view::color::{Quantity, Rgb, Scale};
 use crate::view::picture::Picture;
@@ -139,7 +139,7 @@ impl Viewport {
         let section = drawn.section;
         self.draw(ui, &painter, own_area, drawn);
         self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
-        let title = tr!("this plan · {size}", size = texts::shown(&size_in_words(session.scene())));
+        let title = tr!("this plan · {size}", size = texts::shown(&name_in_words(session.scene())));
         overlay::caption(ui, &painter, own_area, &caption(title, session.scene()));
         match &colours {
             Colours::Common(Some(scale)) | Colours::Own(Some(scale)) => {
@@ -242,7 +242,7 @@ fn own_legend(ui: &Ui, painter: &egui::Painter, area: Rect, picture: &Picture) {
 /// Letter of a pin with its name, or with its size.
 fn title(pin: &Pin) -> String {
     let words = if pin.name().is_empty() {
-        texts::shown(&size_in_words(pin.scene()))
+        texts::shown(&name_in_words(pin.scene()))
     } else {
         pin.name().to_owned()
     };
