@@ -7,7 +7,7 @@ use super::shared::{LONG, RunningSolve, Shared};
 use super::status::SliceOf;
 use super::texts::{self, tr};
 use super::widgets::note_cancelled_press;
-use super::{App, Panels, commands, keys, plan, theme, toolbar};
+use super::{App, Panels, commands, keys, opened, plan, theme, toolbar};
 use crate::measure::no_shape;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError};
@@ -315,7 +315,8 @@ impl App {
                     }
                 }
                 FileEvent::Opened { name, text } => {
-                    let opened = self.open(text).map_err(|error| error.to_string());
+                    let opened = opened::plan_of(text)
+                        .and_then(|plan| self.open(plan).map_err(|error| error.to_string()));
                     self.show_opened(opened, &name, tr!("Opened {name}.", name))
                 }
                 FileEvent::Saved(name) => Notice::info(tr!("Saved {name}.", name)),

@@ -9,7 +9,7 @@
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it, `insertion` plays the push of the implant into its place.
-//! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `controls` finds controls by
+//! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `opened` finds the plan in a file; `controls` finds controls by
 //! name for scripts; `clipboard` reads a pasted table.
 //!
 //! Uses all modules to its left. Used by `platform`.
@@ -39,6 +39,7 @@ mod logic;
 mod messages;
 mod no_answer;
 mod numbers;
+mod opened;
 mod palette;
 mod panel_widths;
 mod perform;

@@ -12,6 +12,8 @@ pub(super) const SPACE_SMALL: f32 = 4.0;
 pub(super) const SPACE: f32 = 8.0;
 /// Least and greatest width of the side panels \[points\].
 pub(super) const PANEL_WIDTH: (f32, f32) = (264.0, 330.0);
+/// Size of the verdict's word \[points\].
+pub(super) const VERDICT: f32 = 18.0;
 /// Height of the greatest figures, those of the answer \[points\].
 pub(super) const FIGURE: f32 = 22.0;
 /// Size of a button for fingers \[points\].
@@ -35,7 +37,7 @@ pub(super) struct Palette {
     pub(super) rail: Color32,
     pub(super) text: Color32,
     quiet: Color32,
-    /// The accent colour.
+    /// The accent colour of selections and links, apart from the hues of the scales.
     pub(super) accent: Color32,
     /// Text on the accent colour.
     pub(super) on_accent: Color32,
@@ -60,7 +62,7 @@ const LIGHT: Palette = Palette {
     rail: rgb(0x008A_929B),
     text: rgb(0x0023_282D),
     quiet: rgb(0x0058_616B),
-    accent: rgb(0x001F_7A8C),
+    accent: rgb(0x0046_4FA8),
     on_accent: rgb(0x00FF_FFFF),
     caution: rgb(0x0087_5A00),
     bad: rgb(0x00B3_3A3A),
@@ -76,7 +78,7 @@ const DARK: Palette = Palette {
     rail: rgb(0x0078_818A),
     text: rgb(0x00E3_E6E9),
     quiet: rgb(0x009D_A6AF),
-    accent: rgb(0x0055_B3C5),
+    accent: rgb(0x00A6_ACF2),
     on_accent: rgb(0x0010_1719),
     caution: rgb(0x00E0_B04A),
     bad: rgb(0x00E8_7C7C),
@@ -228,6 +230,31 @@ mod tests {
             // The accent is also the colour of the words "implant" and "stable".
             let ratio = contrast(p.accent, p.panel);
             assert!(ratio >= 4.5, "{name}: accent as text has {ratio:.2} : 1");
+        }
+    }
+
+    /// Hue of a colour \[degrees\].
+    fn hue([r, g, b]: [f32; 3]) -> f32 {
+        let (most, least) = (r.max(g).max(b), r.min(g).min(b));
+        let part = |a: f32, b: f32| (a - b) / (most - least).max(1e-6);
+        let sixth = if most <= r {
+            part(g, b)
+        } else if most <= g {
+            part(b, r) + 2.0
+        } else {
+            part(r, g) + 4.0
+        };
+        (60.0 * sixth).rem_euclid(360.0)
+    }
+
+    #[test]
+    fn the_accent_has_no_hue_of_the_bands() {
+        for accent in [LIGHT.accent, DARK.accent] {
+            let own = hue([accent.r(), accent.g(), accent.b()].map(f32::from));
+            for band in 0..4 {
+                let apart = (hue(crate::view::color::band(band)) - own).abs();
+                assert!(apart.min(360.0 - apart) > 30.0, "band {band}: {apart}°");
+            }
         }
     }
 

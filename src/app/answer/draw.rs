@@ -66,7 +66,7 @@ fn verdict(ui: &mut Ui, card: &Card) {
         return;
     };
     let color = band_color(ui, band);
-    ui.label(RichText::new(word).strong().color(color));
+    ui.label(RichText::new(word).size(theme::VERDICT).strong().color(color));
     let (rect, _) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::hover());
     for k in 0..4 {
         let at = rect.left() + 5.0 * k as f32;
