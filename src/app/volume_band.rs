@@ -2,6 +2,7 @@
 
 use super::studies::{Driver, Studies};
 use super::texts::tr;
+use super::volumes::highest_sold_ml;
 use crate::scene::Scene;
 use crate::study::{
     Axis, BandsSettings, PATIENTS, Parameter, USUAL_STEP_ML, UsualRange, UsualVolumes, with_values,
@@ -35,7 +36,8 @@ impl VolumeBand {
         {
             // Another volume is no other search.
             let least = with_values(scene, &[(Parameter::Volume, axis.from)]).ok();
-            let search = |least| UsualRange::new(&least, &settings, (axis.from, axis.to)).ok();
+            let most = axis.to.min(highest_sold_ml(&scene.implant));
+            let search = |least| UsualRange::new(&least, &settings, (axis.from, most)).ok();
             if let Some(search) = least.and_then(search) {
                 self.search.start(search, studies);
             }

@@ -9,6 +9,13 @@ pub(super) const COUNT: usize = 21;
 /// Projection / half base width of the least volume \[-\].
 const LEAST_RATIO: f64 = 0.15;
 
+/// The volume of the highest profile sold on an implant's base \[ml\], of the greatest projection / half width of typical sizes.
+pub(super) fn highest_sold_ml(implant: &Implant) -> f64 {
+    let (_, ratio) = limits::TYPICAL_RATIO;
+    let projection_mm = ratio * implant.base_radius_mm;
+    Implant { projection_mm, ..*implant }.size().map_or(f64::INFINITY, Size::volume_ml)
+}
+
 /// The volumes of an implant's base up to a ratio of projection to half the width, in whole 10 ml, within the limits of a
 /// scene.
 pub(super) fn volumes(implant: &Implant, most_ratio: f64) -> Axis {

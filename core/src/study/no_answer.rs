@@ -67,8 +67,7 @@ impl NoAnswer {
         match self {
             Self::PaperSprings => "The 2013 model has no answer for this much stretch.".to_owned(),
             Self::SteepDome => {
-                "The implant is too steep for its width: it would push through the tissue."
-                    .to_owned()
+                "The implant is too steep for its width: the model has no answer.".to_owned()
             }
             Self::TightSkinOverSoftFat => {
                 format!("The skin is too tight for {size}, and fat this soft gives way under it.")

@@ -2,7 +2,7 @@
 //! stands in brackets, and the band's worse end decides the word, on the card, in the sentence and in the report alike; the
 //! plan's own word then has a line of its own.
 
-use crate::app::texts::{fixed, localized, tr, word_of};
+use crate::app::texts::{self, fixed, localized, tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
 use crate::measure::bands::{self, Limits};
 use crate::measure::{Outcome, STRAIN_BANDS};
@@ -126,7 +126,7 @@ impl Answer {
         let figures = [
             self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
             self.cover.map(|mm| tr!("cover {mm:.1} mm", mm)),
-            self.pressure.map(|(_, most)| tr!("pressure {most:.0} mmHg", most)),
+            self.pressure.map(|(_, most)| tr!("pressure {figure}", figure = texts::pressure(most))),
         ];
         let figures: Vec<String> = figures.into_iter().flatten().collect();
         let figures = figures.join(", ");
@@ -326,7 +326,7 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
 
 fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
     let most = answer.pressure.map(|(_, most)| most);
-    let figure = text_of(most, |v| format!("{v:.0} mmHg"));
+    let figure = text_of(most, texts::pressure);
     let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
         tr!("{pressure} on average", pressure = sampled.in_line(Quantity::MeanPressureMmhg, mean))
     });

@@ -255,7 +255,12 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
     });
     let pressure = answer.pressure.map_or_else(String::new, |(mean, most)| {
         let word = word_of(&bands::PRESSURE, bands::pressure_word(most));
-        tr!(" Pressure {mean:.0}, at most {most:.0} mmHg, {word}.", mean, most, word)
+        tr!(
+            " Pressure {mean:.0} mmHg on average, at most {most}, {word}.",
+            mean,
+            most = texts::pressure(most),
+            word
+        )
     });
     let warnings = outcome
         .warnings

@@ -1,7 +1,7 @@
 //! The values of a point of the range in words: for the box at the pointer and for screen readers.
 
 use super::axes::Words;
-use crate::app::texts::{fixed, tr, word_of};
+use crate::app::texts::{fixed, pressure, tr, word_of};
 use crate::measure::bands;
 use crate::study::{Map, Parameter, PointStatus, Quantity};
 
@@ -38,6 +38,9 @@ pub(super) fn applies(quantity: Quantity, is_layered: bool) -> bool {
 /// A value of a quantity with its unit, as "21 %".
 pub(super) fn text(quantity: Quantity, value: f64) -> String {
     let (factor, unit) = quantity.display();
+    if unit == "mmHg" {
+        return pressure(factor * value + 0.0);
+    }
     let decimals = match unit {
         "mm" | "N" | "kPa" => 1,
         _ => 0,

@@ -91,6 +91,17 @@ pub(super) fn tissue_of_file(typed: &str) -> &str {
     known.into_iter().find(|name| tissue(name) == typed.trim()).unwrap_or(typed)
 }
 
+/// Greatest contact pressure that is shown as a number \[mmHg\].
+const MOST_PRESSURE: f64 = 100.0;
+
+/// A contact pressure with its unit; above [`MOST_PRESSURE`] no number: the model is a guess there.
+pub(super) fn pressure(mmhg: f64) -> String {
+    if mmhg.round() > MOST_PRESSURE {
+        return tr!("over {most:.0} mmHg", most = MOST_PRESSURE);
+    }
+    format!("{mmhg:.0} mmHg")
+}
+
 /// The word of a band of limits in the present language; words of the pressure are feminine in Spanish.
 pub(super) fn word_of(limits: &Limits, word: &'static str) -> &'static str {
     if language() == Language::Spanish && limits.quantity == PRESSURE.quantity {

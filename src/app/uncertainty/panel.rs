@@ -1,7 +1,7 @@
 //! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
 
 use super::{Findings, Uncertainty, chart, has_answer};
-use crate::app::texts::{fixed, localized, tr};
+use crate::app::texts::{fixed, localized, pressure, tr};
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
 use crate::measure::Outcome;
@@ -198,8 +198,10 @@ fn changed(own: Option<f64>, scenarios: &[Scenario]) -> impl Iterator<Item = Opt
 /// A value as in the cards.
 pub(in crate::app) fn figure(quantity: Quantity, value: f64) -> String {
     let (factor, unit) = quantity.display();
-    let decimals = usize::from(unit == "mm");
-    format!("{} {unit}", fixed(factor * value, decimals))
+    match unit {
+        "mmHg" => pressure(factor * value),
+        _ => format!("{} {unit}", fixed(factor * value, usize::from(unit == "mm"))),
+    }
 }
 
 fn caution(ui: &mut Ui, text: String) {
@@ -239,5 +241,7 @@ mod tests {
         assert_eq!(figure(Quantity::GreatestStrain, 0.274), "27 %");
         assert_eq!(figure(Quantity::LeastCoverMm, 7.04), "7.0 mm");
         assert_eq!(figure(Quantity::GreatestPressureMmhg, 21.6), "22 mmHg");
+        assert_eq!(figure(Quantity::GreatestPressureMmhg, 100.4), "100 mmHg");
+        assert_eq!(figure(Quantity::GreatestPressureMmhg, 216.0), "over 100 mmHg");
     }
 }

@@ -110,7 +110,7 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
         ));
     }
     lines.push(if pressure > 0.0 {
-        tr!("Pressure {pressure} mmHg", pressure = three_figures(pressure * MMHG_PER_KPA as f32))
+        tr!("Pressure {pressure}", pressure = texts::pressure(f64::from(pressure) * MMHG_PER_KPA))
     } else {
         tr("No pressure here").to_owned()
     });

@@ -4,7 +4,7 @@
 use super::marks::{Mark, marks};
 use crate::app::studies::{Driver, Studies};
 use crate::app::texts::tr;
-use crate::app::volumes::volumes;
+use crate::app::volumes::highest_sold_ml;
 use crate::scene::Scene;
 use crate::study::{Axis, FirstUsual, Map, MapSettings, Parameter, with_values};
 
@@ -60,7 +60,8 @@ impl Width {
             let axis = curve.axes()[0];
             let value = |quantity, i| curve.value(quantity, i, 0);
             let found = marks(&axis, |quantity| curve.limits(quantity), value);
-            self.volumes = checked_volumes(&axis, &found);
+            let most = highest_sold_ml(&curve.base().implant);
+            self.volumes = checked_volumes(&axis, most, &found);
             let plan = |volume: &f64| with_values(curve.base(), &[(Parameter::Volume, *volume)]);
             let plans: Vec<Scene> = self.volumes.iter().map_while(|v| plan(v).ok()).collect();
             self.check.start(FirstUsual::on_own_grids(plans), studies);
@@ -93,14 +94,11 @@ impl Width {
     /// [`Self::largest_ml`] as "360 ml".
     pub(super) fn largest(&self) -> Option<Option<String>> {
         let volume = self.largest_ml()?;
-        let is_last =
-            |volume: f64| self.curve().is_some_and(|curve| volume + STEP_ML > curve.axes()[0].to);
+        let most = self.curve().map(|curve| highest_sold_ml(&curve.base().implant));
         Some(volume.map(|volume| {
-            let more = if is_last(volume) { tr(" and more") } else { "" };
-            let is_high =
-                self.curve().is_some_and(|it| volume > volumes(&it.base().implant, 1.0).to);
-            let high = if is_high { tr(" (higher than a half sphere)") } else { "" };
-            format!("{volume:.0} ml{more}{high}")
+            let is_highest = most.is_some_and(|most| volume + STEP_ML > most);
+            let highest = if is_highest { tr(" (the highest profile sold)") } else { "" };
+            format!("{volume:.0} ml{highest}")
         }))
     }
 
@@ -128,11 +126,11 @@ impl Width {
     }
 }
 
-/// The volumes of an axis from a little above the first mark downwards \[ml\].
-fn checked_volumes(axis: &Axis, marks: &[Mark]) -> Vec<f64> {
+/// The volumes of an axis from a little above the first mark downwards, up to the `most` \[ml\].
+fn checked_volumes(axis: &Axis, most: f64, marks: &[Mark]) -> Vec<f64> {
     let whole = |volume: f64| (volume / STEP_ML + 1e-9).floor();
     let above = |mark: &Mark| whole(mark.volume_ml) + f64::from(STEPS_ABOVE);
-    let first = marks.first().map_or(f64::INFINITY, above).min(whole(axis.to));
+    let first = marks.first().map_or(f64::INFINITY, above).min(whole(axis.to.min(most)));
     let count = (first - axis.from / STEP_ML).max(-1.0).floor() + 1.0;
     (0..count as usize).map(|k| STEP_ML * (first - k as f64)).collect()
 }
@@ -148,11 +146,15 @@ mod tests {
         let axis = volumes(&Scene::opening().implant, MOST_RATIO);
         let quantity = Some(Quantity::GreatestStrain);
         let mark = |volume_ml| Mark { volume_ml, band: Some(1), quantity, word: "high" };
-        let volumes = checked_volumes(&axis, &[mark(347.0)]);
+        let volumes = checked_volumes(&axis, f64::INFINITY, &[mark(347.0)]);
         assert_eq!(volumes[..4], [355.0, 350.0, 345.0, 340.0]);
         assert!(volumes.last().is_some_and(|last| (axis.from..axis.from + 5.0).contains(last)));
-        assert_eq!(checked_volumes(&axis, &[]).first(), Some(&axis.to));
-        assert_eq!(checked_volumes(&axis, &[mark(axis.from)]).len(), 3);
-        assert!(checked_volumes(&axis, &[mark(axis.from - 40.0)]).is_empty());
+        let first = |most| checked_volumes(&axis, most, &[]).first().copied();
+        assert_eq!(first(f64::INFINITY), Some(axis.to));
+        // The highest profile sold on 12 cm has 484 ml: no larger volume is recommended.
+        assert_eq!(first(highest_sold_ml(&Scene::opening().implant)), Some(480.0));
+        let of = |mark: Mark| checked_volumes(&axis, f64::INFINITY, &[mark]);
+        assert_eq!(of(mark(axis.from)).len(), 3);
+        assert!(of(mark(axis.from - 40.0)).is_empty());
     }
 }
