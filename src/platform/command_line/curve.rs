@@ -1,7 +1,7 @@
 //! `curve`: the stress–strain curve of a raw tensile test.
 
 use super::output::{self, File};
-use super::{ExitStatus, InputError, input};
+use super::{ExitStatus, InputError, file};
 use crate::table;
 use crate::tensile::{self, Given, StrainUnit, StressUnit};
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     if output::is_input(out, file) {
         return Err(output::input_error(out, "is an input, too"));
     }
-    let bytes = input::read(file, table::MAX_BYTES)?;
+    let bytes = file::read(file, table::MAX_BYTES)?;
     let found = tensile::read(&bytes, Given { strain: *strain, stress: *unit })
         .map_err(|error| output::input_error(file, error))?;
     let json =

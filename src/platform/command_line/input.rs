@@ -1,9 +1,9 @@
-//! Input: whole files up to a size, and scenes for as long as they come: one per line, one behind the other, or a row each.
+//! Scenes as they come in: one a file, one per line, one behind the other, or a row each.
 
 use super::InputError;
-use super::output::{input_error, is_standard};
+use super::file::{Reader, cannot_be_read, is_file, open};
+use super::output::input_error;
 use super::rows::TableRows;
-use super::standard;
 use super::values::Values;
 use crate::scene::{MAX_SCENE_BYTES, read};
 use crate::table::{Decimals, RawRow};
@@ -13,28 +13,6 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Reads a file, and at most one byte more than `max_bytes`, so that the parser rejects longer files.
-pub(super) fn read(path: &Path, max_bytes: usize) -> Result<Vec<u8>, InputError> {
-    let mut bytes = Vec::new();
-    let file = open(path).map_err(|error| cannot_be_read(path, &error))?;
-    let read = file.take(max_bytes as u64 + 1).read_to_end(&mut bytes);
-    read.map_err(|error| cannot_be_read(path, &error))?;
-    Ok(bytes)
-}
-
-fn cannot_be_read(path: &Path, error: &io::Error) -> InputError {
-    input_error(path, format!("cannot be read: {error}"))
-}
-
-pub(super) type Reader = Box<dyn Read + Send>;
-
-pub(super) fn open(path: &Path) -> io::Result<Reader> {
-    if is_standard(path) && standard::is_input_closed() {
-        return Err(io::Error::other("it is closed"));
-    }
-    Ok(if is_standard(path) { Box::new(io::stdin()) } else { Box::new(File::open(path)?) })
-}
 
 /// A file of scenes.
 pub(super) struct Source {
@@ -260,10 +238,6 @@ impl Content {
             Self::Row(row, _) => row.bytes.len() + 1,
         }
     }
-}
-
-pub(super) fn is_file(path: &Path) -> bool {
-    !is_standard(path) && metadata(path).is_ok_and(|found| found.is_file())
 }
 
 /// The text of a scene and its place.

@@ -12,6 +12,7 @@ mod bench;
 mod cell;
 mod charts;
 mod curve;
+mod file;
 mod input;
 mod output;
 mod parquet;

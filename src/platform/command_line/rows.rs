@@ -1,6 +1,6 @@
 //! Tables of any length: encoding and form by the beginning, then row for row.
 
-use super::input::{Reader, is_file, open};
+use super::file::{Reader, is_file, open};
 use super::utf16::Utf16;
 use super::{output, parquet};
 use crate::table::{

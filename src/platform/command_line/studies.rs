@@ -2,7 +2,7 @@
 
 use super::output::{self, File, OutputFolder};
 use super::stream::{self, Signal, ThreadCount};
-use super::{ExitStatus, InputError, in_range, input};
+use super::{ExitStatus, InputError, file, in_range};
 use crate::export::number;
 use crate::platform::runner::evaluate;
 use crate::scene::read::{self, Format};
@@ -117,7 +117,7 @@ fn default_axes() -> Vec<Axis> {
 }
 
 fn scene(path: &Path) -> Result<Scene, InputError> {
-    let bytes = input::read(path, MAX_SCENE_BYTES)?;
+    let bytes = file::read(path, MAX_SCENE_BYTES)?;
     let scenes =
         read::scenes(&bytes, Format::Json).map_err(|error| output::input_error(path, error))?;
     let count = scenes.len();
@@ -225,7 +225,7 @@ pub(super) fn bands(arguments: &BandsArguments) -> Result<ExitStatus, InputError
     let mut settings = match &arguments.settings {
         None => BandsSettings::default(),
         Some(path) => {
-            let bytes = input::read(path, MAX_SCENE_BYTES)?;
+            let bytes = file::read(path, MAX_SCENE_BYTES)?;
             let text = std::str::from_utf8(&bytes).map_err(|error| {
                 output::input_error(path, format!("{error}; allowed: JSON in UTF-8"))
             })?;

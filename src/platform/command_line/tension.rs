@@ -1,7 +1,7 @@
 //! `tension`: the paper's tension test as a table.
 
 use super::output::{self, File, springs_name};
-use super::{ExitStatus, InputError, in_range, input};
+use super::{ExitStatus, InputError, file, in_range};
 use crate::curve::{Curve, CurveSpec, Fat};
 use crate::export::{number, quoted};
 use crate::scene::read;
@@ -95,7 +95,7 @@ fn read_curve(name: &str) -> Result<Curve, InputError> {
         "adipose" => CurveSpec::Adipose {},
         _ => {
             let path = Path::new(name);
-            let bytes = input::read(path, read::MAX_SCENE_BYTES).map_err(|error| {
+            let bytes = file::read(path, read::MAX_SCENE_BYTES).map_err(|error| {
                 InputError(format!("{error}; allowed: skin, fat, adipose or a curve file"))
             })?;
             return read::curve(&bytes).map_err(|error| output::input_error(path, error));

@@ -2,7 +2,8 @@
 
 use super::super::InputError;
 use super::super::cell;
-use super::super::input::{self, Source};
+use super::super::file;
+use super::super::input::Source;
 use super::super::output::input_error;
 use super::key::Key;
 use crate::scene::{MAX_SCENE_BYTES, Scene, read};
@@ -27,7 +28,7 @@ const NOT_UTF8: &str = "a letter is not UTF-8 (saved as Windows-1252?)";
 impl Table {
     /// Reads the template, and the header of the table from its source.
     pub(super) fn read(template: &Path, table: &mut Source) -> Result<Self, InputError> {
-        let bytes = input::read(template, MAX_SCENE_BYTES)?;
+        let bytes = file::read(template, MAX_SCENE_BYTES)?;
         let text = read::utf8(&bytes).map_err(|error| input_error(template, error))?;
         let none: [&str; 0] = [];
         Template::new(text, &none).map_err(|error| input_error(template, error))?;
