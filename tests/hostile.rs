@@ -249,7 +249,8 @@ fn tensile_tests_of_any_table_are_read_or_rejected() {
 
 #[test]
 fn a_long_tensile_test_is_read_soon() {
-    let text: String = (0..400_000)
+    let _alone = ALONE.lock();
+    let text: String = (0..100_000)
         .map(|k| {
             format!("{},{}\n", f64::from(k) / 1e6, i64::from(k) * 7919 % 100_003 + i64::from(k))
         })
@@ -257,7 +258,7 @@ fn a_long_tensile_test_is_read_soon() {
     let start = Instant::now();
     hostile::check_tensile(text.as_bytes());
     let time = start.elapsed();
-    assert!(time < 8 * SOON, "{time:?}");
+    assert!(time < 4 * SOON, "{time:?}");
 }
 
 /// Tables of sizes of cells that are often right.

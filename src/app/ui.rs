@@ -262,9 +262,8 @@ impl App {
 
     /// The answer in one sentence.
     fn headline(&self, ui: &mut Ui) {
-        let Shared { session, uncertainty, volume_marks, .. } = &self.shared;
-        let (previous, findings) = (self.shared.previous_results(), uncertainty.findings());
-        let mut text = answer::headline(session, previous, findings);
+        let Shared { session, volume_marks, .. } = &self.shared;
+        let mut text = answer::headline(session, self.shared.previous_results());
         if self.shared.is_long() {
             // A plan without an answer takes the longest.
             text = format!("{text} {}", volume_marks.near_end(session.scene()));

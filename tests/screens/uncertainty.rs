@@ -63,11 +63,16 @@ fn band(bands: &[Band], quantity: Quantity) -> &Band {
     bands.iter().find(|band| band.quantity == quantity).unwrap()
 }
 
+/// A pressure of the screen \[mmHg\].
+fn pressure(mmhg: f64) -> String {
+    if mmhg > 100.0 { "over 100 mmHg".to_owned() } else { format!("{mmhg:.0} mmHg") }
+}
+
 /// The plan's own figure of a card.
 fn figure(harness: &Harness<'static, App>, quantity: Quantity) -> String {
     let (factor, unit) = quantity.display();
-    let value = quantity.of(&harness.state().outcome().unwrap()).unwrap();
-    format!("{:.0} {unit}", factor * value)
+    let value = factor * quantity.of(&harness.state().outcome().unwrap()).unwrap();
+    if unit == "mmHg" { pressure(value) } else { format!("{value:.0} {unit}") }
 }
 
 /// Are the figures those of the plan, and the brackets beside them those of the study?
@@ -79,6 +84,47 @@ fn assert_cards(harness: &Harness<'static, App>, bands: &[Band]) {
         assert!(harness.query_all_by_label(&figure).count() > 0, "{figure}");
         assert!(harness.query_all_by_label_contains(&range).count() > 0, "{range}");
     }
+}
+
+/// The words of a plan whose patients have other words, too: the sentence and the summary with the bands are those without, and the
+/// patients of each word are counted beside them.
+#[test]
+fn the_verdict_is_that_of_the_plan_with_and_without_bands() {
+    let mut harness = app(WIDE, |scene| {
+        *scene = flat_plan();
+        scene.set_tissue_model(TissueModel::Sheet);
+        scene.implant.projection_mm = 45.0;
+    });
+    let sentence = |harness: &Harness<'static, App>| {
+        let found = harness.query_all_by_label_contains(" ml, 12 cm: ");
+        found.map(|node| node.accesskit_node().label().or(node.value())).collect::<Vec<_>>()
+    };
+    let words = |harness: &Harness<'static, App>| {
+        let summary = harness.state().summary();
+        summary.split_inclusive("Up to date.").next().unwrap().to_owned()
+    };
+    harness.run();
+    let before = (sentence(&harness), words(&harness));
+    assert_eq!(before.0.len(), 1, "{before:?}");
+    press(&mut harness, "What is not known");
+    type_into(&mut harness, "Sampled patients", "16");
+    press(&mut harness, SWITCH);
+    wait(&mut harness);
+    assert_eq!((sentence(&harness), words(&harness)), before);
+
+    let study = study_of(harness.state().session().scene(), settings());
+    let strains: Vec<f64> = study.values().of(Quantity::GreatestStrain).collect();
+    let [usual, high] = [(0.0, 0.25), (0.25, 0.5)].map(|(over, most)| {
+        strains.iter().filter(|strain| (over..=most).contains(*strain)).count()
+    });
+    assert!(usual + high == 16 && usual > 0 && high > 0, "{strains:?}");
+    let [usual, high] = [usual, high].map(|count| (10 * count) as f64 / 16.0);
+    let near = |part: usize, exact: f64| (part as f64 - exact).abs() < 1.0;
+    let parts = (0..=10).filter(|part| near(*part, usual) && near(10 - part, high));
+    let lines: Vec<String> = parts
+        .map(|part| format!("Usual in {part} of 10 such patients, high {}", 10 - part))
+        .collect();
+    assert!(lines.iter().any(|line| harness.query_by_label(line).is_some()), "{lines:?}");
 }
 
 #[test]
@@ -128,7 +174,7 @@ fn bands_are_those_of_the_study_and_stand_beside_every_number() {
     let scenarios = &band(&bands, Quantity::GreatestPressureMmhg).scenarios;
     let [low, unchanged, high] = [0, 1, 2].map(|k| scenarios[k].value.unwrap());
     for (change, count) in [(low / unchanged, 1), (1.0, 2), (high / unchanged, 1)] {
-        let text = format!("{:.0} mmHg", own * change);
+        let text = pressure(own * change);
         assert!(harness.query_all_by_label(&text).count() >= count, "{text}");
     }
 
@@ -333,8 +379,8 @@ fn the_largest_usual_volume_has_the_range_of_sampled_patients() {
     type_into(&mut harness, "Margin (cm)", "1.2");
     let words = wait_until(&mut harness, "the range", |harness| text_with(harness, RANGE));
     let scene = harness.state().session().scene().clone();
-    // The volumes of the slider's marks: a ratio of 0.15 to 1.3 of projection and half the width.
-    let ends = (70.0, 580.0);
+    // From the least mark of the slider to the highest profile sold: projections of 0.15 and 1.07 of half the width.
+    let ends = (70.0, 2.0 / 3.0 * std::f64::consts::PI * 60.0 * 60.0 * (1.07 * 60.0) / 1000.0);
     let mut search = UsualRange::new(&scene, &settings(), ends).unwrap();
     let mut store = Cases::default();
     while let Some((index, job)) = search.next_job(&mut store) {

@@ -33,10 +33,15 @@ impl Bands {
 }
 
 impl Samples {
+    /// The values of a quantity, those of answers only \[unit of the quantity\].
+    pub fn of(&self, quantity: Quantity) -> impl Iterator<Item = f64> {
+        self.values.get(&quantity).into_iter().flatten().copied().flatten()
+    }
+
     /// 10th percentile, median and 90th percentile of a quantity; `None` from fewer than [`LEAST_ANSWERS`] samples.
     #[must_use]
     pub fn band(&self, quantity: Quantity) -> Option<[f64; 3]> {
-        band(self.values.get(&quantity)?.iter().copied().flatten().collect())
+        band(self.of(quantity).collect())
     }
 
     /// The same percentiles of this scene's value less the other's. Sample k of both scenes has every unknown at the same

@@ -1,7 +1,8 @@
-//! Figures and words of the three cards: skin stretch, cover, pressure. A figure is the plan's own, the band of sampled patients
-//! stands in brackets, and the band's worse end decides the word, on the card, in the sentence and in the report alike; the
-//! plan's own word then has a line of its own.
+//! Figures and words of the three cards: skin stretch, cover, pressure. Figure and word are the plan's own, with and without sampled
+//! patients, on the card, in the sentence and in the report alike; the band of the patients stands in brackets, and the number of patients
+//! of each word in a line ([`shares`]).
 
+use super::shares::in_words as shares;
 use crate::app::texts::{self, fixed, localized, tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
 use crate::measure::bands::{self, Limits};
@@ -91,38 +92,21 @@ impl Answer {
     }
 
     /// The words of the cards: stretch, cover, pressure.
-    fn words(&self, sampled: &Sampled<'_>) -> [Word; 3] {
-        let reserve = sampled.range(Quantity::SkinReserveUsed).map(|[_, high]| high);
-        let stretch = sampled.range(Quantity::GreatestStrain);
-        let stretch = stretch.map(|[_, high]| in_words(bands::stretch(high, reserve)));
-        let cover = sampled.range(Quantity::LeastCoverMm);
-        let cover = cover.and_then(|[low, _]| bands::cover(low)).map(in_words);
-        let pressure = sampled.range(Quantity::GreatestPressureMmhg);
-        let pressure = pressure.map(|[_, high]| pressure_verdict(high));
-        let own = self.pressure.map(|(_, most)| pressure_verdict(most));
-        [
-            Word { own: self.stretch(), of_band: stretch.filter(|_| self.strain.is_some()) },
-            Word { own: self.cover_word(), of_band: cover.filter(|_| self.cover.is_some()) },
-            Word { own, of_band: pressure.filter(|_| self.pressure.is_some()) },
-        ]
+    fn words(&self) -> [Option<Verdict>; 3] {
+        let pressure = self.pressure.map(|(_, most)| pressure_verdict(most));
+        [self.stretch(), self.cover_word(), pressure]
     }
 
     /// The worst word with its quantity, and the three figures, as "usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
-    pub(super) fn in_a_sentence(&self, findings: Option<&Findings>) -> String {
+    pub(super) fn in_a_sentence(&self) -> String {
         let names = [tr("skin stretch"), tr("cover"), tr("pressure")];
-        let words = self.words(&Sampled::new(findings)).into_iter().zip(names);
+        let words = self.words().into_iter().zip(names);
+        let words = words.filter_map(|(word, name)| Some((word?, name)));
         // The first of equal ones.
-        let worst = words.rev().max_by_key(|(word, _)| word.band()).filter(|(w, _)| w.band() > 0);
-        let worst = worst.map_or_else(
-            || tr("usual").to_owned(),
-            |(word, name)| {
-                let (is_of_band, word) = (word.is_of_band(), word.verdict().map_or("", |(_, w)| w));
-                match is_of_band {
-                    true => tr!("{name} {word} in 1 of 10 such patients", name, word),
-                    false => format!("{name} {word}"),
-                }
-            },
-        );
+        let worst =
+            words.rev().max_by_key(|((band, _), _)| *band).filter(|((band, _), _)| *band > 0);
+        let worst = worst
+            .map_or_else(|| tr("usual").to_owned(), |((_, word), name)| format!("{name} {word}"));
         let figures = [
             self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
             self.cover.map(|mm| tr!("cover {mm:.1} mm", mm)),
@@ -132,36 +116,6 @@ impl Answer {
         let figures = figures.join(", ");
         let (first, rest) = figures.split_at(usize::from(!figures.is_empty()));
         format!("{worst}. {}{rest}.", first.to_uppercase())
-    }
-}
-
-/// The word of the plan and that of the worse end of its band.
-#[derive(Clone, Copy, Default)]
-struct Word {
-    /// `None`: no value, or a cover that is not thin.
-    own: Option<Verdict>,
-    of_band: Option<Verdict>,
-}
-
-impl Word {
-    /// Is the word of the band the worse one?
-    fn is_of_band(self) -> bool {
-        self.of_band.is_some_and(|(band, _)| band > self.own.map_or(0, |(own, _)| own))
-    }
-
-    /// The worse of both.
-    fn verdict(self) -> Option<Verdict> {
-        if self.is_of_band() { self.of_band } else { self.own }
-    }
-
-    fn band(self) -> usize {
-        self.verdict().map_or(0, |(band, _)| band)
-    }
-
-    /// The plan's own word beside that of the band; `without` is in place of no word.
-    fn own_in_words(self, without: &'static str) -> Option<String> {
-        let word = self.own.map_or(without, |(_, word)| word);
-        self.is_of_band().then(|| tr!("In 1 of 10 such patients; this plan itself: {word}", word))
     }
 }
 
@@ -178,8 +132,8 @@ pub(super) struct Card {
     pub(super) verdict: Option<Verdict>,
     /// What stands in place of a word without limits.
     pub(super) no_verdict: &'static str,
-    /// The plan's own word, if the band's is worse.
-    pub(super) own: Option<String>,
+    /// Numbers of sampled patients by their words, in a line.
+    pub(super) shares: Option<String>,
     pub(super) line: String,
     /// The value on the bar.
     pub(super) value: Option<f64>,
@@ -236,6 +190,13 @@ impl<'a> Sampled<'a> {
         self.band(quantity).and_then(text)
     }
 
+    /// The numbers of patients by the word of a quantity.
+    fn shares(&self, quantity: Quantity, word: impl Fn(f64) -> Verdict) -> Option<String> {
+        let findings = self.0?;
+        let words = findings.values().of(quantity).map(word);
+        shares(words, findings.solved() - findings.answers())
+    }
+
     /// The 10th and the 90th percentile.
     fn range(&self, quantity: Quantity) -> Option<[f64; 2]> {
         self.band(quantity).map(|band| [band.p10, band.p90])
@@ -245,7 +206,7 @@ impl<'a> Sampled<'a> {
 /// The cards of an answer, with the bands of `findings` in brackets.
 pub(super) fn cards(answer: &Answer, findings: Option<&Findings>) -> [Card; 3] {
     let sampled = Sampled::new(findings);
-    let [stretch, cover, pressure] = answer.words(&sampled);
+    let [stretch, cover, pressure] = answer.words();
     [
         stretch_card(answer, &sampled, stretch),
         cover_card(answer, &sampled, cover),
@@ -258,7 +219,7 @@ fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.map_or_else(|| "–".to_owned(), text)
 }
 
-fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
+fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
     let range = sampled.range(Quantity::GreatestStrain);
     let reserve = sampled.range(Quantity::SkinReserveUsed);
@@ -279,18 +240,18 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
         || tr("longer, at most").to_owned(),
         |share| tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
     );
-    let (limits, most) = match answer.has_reserve {
-        true => (&bands::RESERVE, MOST_RESERVE),
-        false => (&bands::STRAIN, MOST_STRAIN),
+    let (limits, most, of) = match answer.has_reserve {
+        true => (&bands::RESERVE, MOST_RESERVE, Quantity::SkinReserveUsed),
+        false => (&bands::STRAIN, MOST_STRAIN, Quantity::GreatestStrain),
     };
     Card {
         title: tr("Skin stretch"),
         short: (tr("Stretch"), figure.clone()),
         figure,
         beside: format!("{brackets}{words}"),
-        verdict: word.verdict(),
+        verdict: word,
         no_verdict: "",
-        own: word.own_in_words(""),
+        shares: sampled.shares(of, |value| in_words(limits.verdict(value))),
         line,
         value: answer.reserve.or(answer.strain),
         range: if answer.has_reserve { reserve } else { range },
@@ -299,7 +260,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
     }
 }
 
-fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
+fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let line = match answer.apex {
         Some(apex) => {
             tr!("{cover} at the top", cover = sampled.in_line(Quantity::ApexCoverMm, apex))
@@ -313,9 +274,11 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
         short: (tr("Cover"), text_of(answer.cover, |v| format!("{} mm", fixed(v, 1)))),
         figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
         beside: tr!("{brackets}at least; at rest {rest:.1} mm", brackets, rest = answer.rest),
-        verdict: word.verdict(),
+        verdict: word,
         no_verdict: tr("no published limit"),
-        own: word.own_in_words(tr("not thin")),
+        shares: sampled.shares(Quantity::LeastCoverMm, |mm| {
+            bands::cover(mm).map_or((0, tr("not thin")), in_words)
+        }),
         line,
         value: answer.cover,
         range: sampled.range(Quantity::LeastCoverMm),
@@ -324,7 +287,7 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
     }
 }
 
-fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
+fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let most = answer.pressure.map(|(_, most)| most);
     let figure = text_of(most, texts::pressure);
     let line = answer.pressure.map_or_else(String::new, |(mean, _)| {
@@ -336,9 +299,9 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Word) -> Card {
         short: (tr("Pressure"), figure.clone()),
         figure,
         beside: tr!("{brackets}at most", brackets),
-        verdict: word.verdict(),
+        verdict: word,
         no_verdict: "",
-        own: word.own_in_words(""),
+        shares: sampled.shares(Quantity::GreatestPressureMmhg, pressure_verdict),
         line,
         value: most,
         range: sampled.range(Quantity::GreatestPressureMmhg),
@@ -392,24 +355,8 @@ mod tests {
                 "skin stretch beyond. Stretch 60 %, cover 7.2 mm, pressure 90 mmHg.",
             ),
         ] {
-            assert_eq!(of.in_a_sentence(None), sentence);
+            assert_eq!(of.in_a_sentence(), sentence);
         }
-    }
-
-    #[test]
-    fn a_worse_word_of_the_band_is_that_of_the_card_beside_the_plans_own() {
-        let [high, very_high, thin] = [(1, "high"), (2, "very high"), (1, "thin")];
-        let word = |own, of_band| {
-            let word = Word { own, of_band };
-            (word.verdict(), word.own_in_words("not thin"))
-        };
-        let beside = |own: &str| Some(format!("In 1 of 10 such patients; this plan itself: {own}"));
-        assert_eq!(word(Some(high), Some(very_high)), (Some(very_high), beside("high")));
-        assert_eq!(word(Some(very_high), Some(very_high)), (Some(very_high), None));
-        assert_eq!(word(Some(very_high), Some(high)), (Some(very_high), None));
-        assert_eq!(word(Some(high), None), (Some(high), None));
-        assert_eq!(word(None, Some(thin)), (Some(thin), beside("not thin")));
-        assert_eq!(word(None, None), (None, None));
     }
 
     #[test]

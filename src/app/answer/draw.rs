@@ -30,8 +30,8 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
                 let beside = RichText::new(&card.beside).color(ui.visuals().weak_text_color());
                 ui.add(egui::Label::new(beside).truncate());
             });
-            if let Some(word) = &card.own {
-                ui.label(RichText::new(word).small());
+            if let Some(shares) = &card.shares {
+                ui.add(egui::Label::new(RichText::new(shares).small()).wrap());
             }
             bar(ui, card);
             let line = RichText::new(&card.line).small().color(ui.visuals().weak_text_color());
@@ -45,7 +45,7 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
     if let Some(findings) = findings.filter(|_| card.range.is_some()) {
         let count = findings.answers();
         tooltip = tr!(
-            "In brackets: 10th to 90th percentile of {count} sampled patients{median}. The word is that of the worse end; the \
+            "In brackets: 10th to 90th percentile of {count} sampled patients{median}. The word is that of this plan; the \
              bar has a line over the range.\n{tooltip}",
             count,
             median = card

@@ -1,11 +1,13 @@
 //! The answer: what happens to the tissue, as three cards, in one sentence, and in words for screen readers. The words
 //! and limits of all of them are those of [`bands`].
 //!
-//! `cards` (figures and words of the cards) | `bar` (their bars without a toolkit), `draw` (the cards on the screen).
+//! `cards` (figures and words of the cards) | `shares` (sampled patients by word), `bar` (their bars without a toolkit), `draw` (the cards on
+//! the screen).
 
 mod bar;
 mod cards;
 mod draw;
+mod shares;
 
 pub(super) use bar::Bar;
 pub(super) use draw::band_color;
@@ -126,7 +128,7 @@ pub(super) fn rows(
             device.words(card.title),
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
-            card.own.map_or(card.line.clone(), |own| format!("{own}. {}", card.line)),
+            card.shares.map_or(card.line.clone(), |shares| format!("{shares}. {}", card.line)),
         ]
     };
     cards.into_iter().map(row).collect()
@@ -202,14 +204,8 @@ pub(super) fn sources(ui: &mut Ui, session: &Session) {
     );
 }
 
-/// The answer in one line with its worst word, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
-///
-/// The word is that of the cards: with `findings` that of the band's worse end.
-pub(super) fn headline(
-    session: &Session,
-    previous: PreviousResults,
-    findings: Option<&Findings>,
-) -> String {
+/// The answer in one line with its worst word, that of the cards, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
+pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
     let [_, width] = volume_and_width(plan);
@@ -223,7 +219,7 @@ pub(super) fn headline(
         None if session.is_working() => tr("updating…").to_owned(),
         None if no_answer::applies(session) => tr("no answer.").to_owned(),
         None => tr("no result.").to_owned(),
-        Some(_) => answer.in_a_sentence(findings),
+        Some(_) => answer.in_a_sentence(),
     };
     format!("{implant}, {} cm{part}: {words}", texts::localized(width))
 }

@@ -48,7 +48,7 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     let Shared { session, choices, options, uncertainty, viewport, .. } = shared;
     let (session, options, device) = (&*session, &*options, choices.device);
     let figure = Figure {
-        headline: answer::headline(session, PreviousResults::Shown, uncertainty.findings()),
+        headline: answer::headline(session, PreviousResults::Shown),
         plan: plan::rows(session.scene(), device),
         cards: cards(session, device, uncertainty.findings()),
         remarks: remarks(session, device),
@@ -158,7 +158,7 @@ pub(super) fn report(
         visit: plan::visit_in_words(session.scene()),
         running: running_head(session.scene()),
         origin: origin(),
-        headline: answer::headline(session, PreviousResults::Shown, findings)
+        headline: answer::headline(session, PreviousResults::Shown)
             + &volume_marks.largest_in_words(),
         plan: plan::rows(session.scene(), device),
         technical: [

@@ -68,6 +68,11 @@ impl Findings {
         self.bands.iter().find(|band| band.quantity == quantity)
     }
 
+    /// The values of the samples.
+    pub(super) fn values(&self) -> &Samples {
+        &self.values
+    }
+
     /// The band of the skin's section.
     pub(super) fn section(&self) -> &[SectionBand] {
         &self.section
@@ -95,7 +100,8 @@ impl Findings {
         (none > 0).then(|| tr!("{none} of {of} such patients without an answer. ", none, of))
     }
 
-    fn solved(&self) -> usize {
+    /// Number of solved samples.
+    pub(super) fn solved(&self) -> usize {
         self.counts.values().sum()
     }
 

@@ -1,0 +1,79 @@
+//! How many of the sampled patients have which word, in tenths, as "Usual in 6 of 10 such patients, high 3, very high 1".
+
+use crate::app::texts::tr;
+use std::collections::BTreeMap;
+
+/// Parts of all patients.
+const PARTS: usize = 10;
+
+/// The parts of patients by band and word in the language of the user, from the lowest band; the last part is of those without an answer. `None` without patients.
+pub(super) fn in_words(
+    words: impl Iterator<Item = (usize, &'static str)>,
+    without_answer: usize,
+) -> Option<String> {
+    let mut counts = BTreeMap::new();
+    for word in words {
+        *counts.entry(word).or_insert(0) += 1;
+    }
+    let mut counts: Vec<(&str, usize)> =
+        counts.into_iter().map(|((_, word), count)| (word, count)).collect();
+    counts.push((tr("no answer"), without_answer));
+    let parts = tenths(&counts.iter().map(|(_, count)| *count).collect::<Vec<_>>())?;
+    let mut named = counts.iter().zip(parts).filter(|(_, part)| *part > 0);
+    let ((first, _), part) = named.next()?;
+    let first = tr!("{word} in {part} of 10 such patients", word = first, part);
+    let rest = named.map(|((word, _), part)| format!(", {word} {part}"));
+    let text = rest.fold(first, |text, part| text + &part);
+    let mut letters = text.chars();
+    Some(letters.next()?.to_uppercase().chain(letters).collect())
+}
+
+/// Counts in tenths of their sum, which add up to ten: the greatest remainders are rounded up. `None` if all are zero.
+fn tenths(counts: &[usize]) -> Option<Vec<usize>> {
+    let sum: usize = counts.iter().sum();
+    if sum == 0 {
+        return None;
+    }
+    let mut parts: Vec<usize> = counts.iter().map(|count| PARTS * count / sum).collect();
+    let mut order: Vec<usize> = (0..counts.len()).collect();
+    order.sort_by_key(|k| std::cmp::Reverse(PARTS * counts[*k] % sum));
+    let left = PARTS - parts.iter().sum::<usize>();
+    order.into_iter().take(left).for_each(|k| parts[k] += 1);
+    Some(parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_add_up_to_ten_and_are_those_of_the_counts_to_rounding() {
+        for counts in [vec![1], vec![160, 70, 26], vec![3, 3, 3], vec![0, 255, 1], vec![7; 9]] {
+            let parts = tenths(&counts).unwrap();
+            let sum: usize = counts.iter().sum();
+            assert_eq!(parts.iter().sum::<usize>(), 10, "{counts:?}");
+            for (part, count) in parts.into_iter().zip(&counts) {
+                let exact = 10.0 * *count as f64 / sum as f64;
+                assert!((part as f64 - exact).abs() < 1.0, "{counts:?}");
+            }
+        }
+        assert_eq!(tenths(&[0, 0]), None);
+    }
+
+    #[test]
+    fn words_stand_from_the_lowest_band_and_those_of_few_patients_not_at_all() {
+        let of = |counts: [usize; 3], without_answer| {
+            let words = [(0, "usual"), (1, "high"), (2, "very high")];
+            let all = words.into_iter().zip(counts);
+            // From the highest, as a study may find them.
+            let all = all.rev().flat_map(|(word, count)| std::iter::repeat_n(word, count));
+            in_words(all, without_answer)
+        };
+        let words = |text: &str| Some(text.to_owned());
+        let all = words("Usual in 6 of 10 such patients, high 3, very high 1");
+        assert_eq!(of([160, 70, 26], 0), all);
+        assert_eq!(of([255, 1, 0], 0), words("Usual in 10 of 10 such patients"));
+        assert_eq!(of([0, 8, 0], 2), words("High in 8 of 10 such patients, no answer 2"));
+        assert_eq!(of([0, 0, 0], 0), None);
+    }
+}
