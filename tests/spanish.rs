@@ -122,7 +122,7 @@ fn the_opening_plan_is_in_spanish() {
         "Qué ocurre",
         "Estiramiento de la piel",
         "Cobertura mínima",
-        "sin límite publicado",
+        "no fina",
         "Presión sobre el tejido",
         "Pellizco",
         "Cobertura 10 mm (6–17): piel 1,5 + grasa 8,5",

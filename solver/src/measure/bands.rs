@@ -120,6 +120,9 @@ pub static PRESSURE: Limits = Limits {
 /// Least cover below which a plan has the practice's word \[mm\].
 pub const THIN_COVER_MM: f64 = 5.0;
 
+/// Cover at rest below which practice goes under the muscle \[mm\]: half of a pinch of 2 cm.
+pub const PRACTICE_COVER_MM: f64 = 10.0;
+
 /// What is known about a limit of the cover.
 pub const COVER: &str = "Below 5 mm thin: a word of practice, no measured limit. With a pinch below 2 cm at the upper pole, a cover of 10 \
     mm at rest, surgeons go under the muscle (Tebbetts and Adams, Plast Reconstr Surg 116, 2005); 5 mm are half of that.";

@@ -1,6 +1,6 @@
 //! The bars of the cards without a toolkit: coloured parts, limits, mark of the value, line of the sampled patients.
 
-use super::cards::{BarScale, Card};
+use super::cards::{BarScale, Card, cover_marks};
 use crate::view::color::{self, Rgb};
 
 /// The bar of a card; places are fractions of its length \[-\].
@@ -38,6 +38,7 @@ impl Bar {
             }
             BarScale::Part { .. } => {
                 parts.extend(card.value.map(|value| (at(value), color::COVER)));
+                limits.extend(cover_marks(most).map(|(limit, text)| (at(limit), text)));
             }
         }
         Self {

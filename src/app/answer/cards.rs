@@ -19,9 +19,6 @@ const MOST_PRESSURE: f64 = 100.0;
 /// Share of the sampled patients without an answer above which a band is open at its worse end \[-\].
 const OPEN_ABOVE: f64 = 0.05;
 
-/// What the strains of the model leave out.
-const FROM_REST: &str = "Counted from the skin at rest; standing adds up to 60 % in places.";
-
 /// The figures of the answer.
 pub(super) struct Answer {
     /// Greatest strain of the skin \[-\].
@@ -153,6 +150,12 @@ pub(super) enum BarScale {
     Part { whole: f64 },
 }
 
+/// The marks of a cover up to a thickness \[mm\] with their words: thin, and practice's least thickness at rest.
+pub(super) fn cover_marks(whole: f64) -> impl Iterator<Item = (f64, String)> {
+    let marks = [bands::THIN_COVER_MM, bands::PRACTICE_COVER_MM];
+    marks.into_iter().filter(move |mm| *mm <= whole).map(|mm| (mm, format!("{mm:.0} mm")))
+}
+
 /// The bands of sampled patients, as far as there are any.
 struct Sampled<'a>(Option<&'a Findings>);
 
@@ -233,7 +236,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
                 limit = 100.0 * SHARE_ABOVE.0
             ),
         };
-        format!("{missing}{share}{}", tr(FROM_REST))
+        format!("{missing}{share}").trim_end().to_owned()
     });
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
     let words = answer.reserve.map_or_else(
@@ -275,7 +278,7 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> 
         figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
         beside: tr!("{brackets}at least; at rest {rest:.1} mm", brackets, rest = answer.rest),
         verdict: word,
-        no_verdict: tr("no published limit"),
+        no_verdict: tr("not thin"),
         shares: sampled.shares(Quantity::LeastCoverMm, |mm| {
             bands::cover(mm).map_or((0, tr("not thin")), in_words)
         }),

@@ -1,6 +1,6 @@
 //! The cards on the screen: figure, word with its level, bar with limits and mark.
 
-use super::cards::{BarScale, Card};
+use super::cards::{BarScale, Card, cover_marks};
 use super::text_of;
 use crate::app::device::Device;
 use crate::app::texts::tr;
@@ -84,9 +84,7 @@ fn verdict(ui: &mut Ui, card: &Card) {
 
 /// Draws the bar of a card: bands in their colours with their limits, or the part of a whole, and the value's mark.
 fn bar(ui: &mut Ui, card: &Card) {
-    let is_banded = matches!(card.scale, BarScale::Bands { .. });
-    let size = vec2(ui.available_width(), if is_banded { 28.0 } else { 17.0 });
-    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::hover());
     let bar = Rect::from_min_size(rect.min + vec2(0.0, 7.0), vec2(rect.width(), 8.0));
     let (palette, painter) = (theme::palette(ui.visuals()), ui.painter());
     let quiet = ui.visuals().weak_text_color();
@@ -130,6 +128,13 @@ fn bar(ui: &mut Ui, card: &Card) {
             painter.rect_filled(bar, 0.0, ui.visuals().extreme_bg_color);
             if let Some(value) = card.value {
                 painter.rect_filled(bar.with_max_x(at(value)), 0.0, rgb(color::COVER));
+            }
+            for (limit, text) in cover_marks(most) {
+                painter.vline(at(limit), bar.y_range(), Stroke::new(1.0, quiet));
+                let galley = painter.layout_no_wrap(text, font.clone(), quiet);
+                let width = galley.size().x;
+                let left = (at(limit) - 0.5 * width).min(bar.right() - width);
+                painter.galley(pos2(left, bar.bottom() + 1.0), galley, quiet);
             }
         }
     }
