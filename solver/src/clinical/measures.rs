@@ -220,8 +220,7 @@ pub fn strain_scale_of_pull(pull_mm: f64, base_width_mm: f64) -> Result<Derived,
 }
 
 /// What was measured on a person. Reproducibility: [`REPRODUCIBILITY`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Measurements {
     /// Base width of the breast \[mm\], 60 to 240.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,13 +1,13 @@
 //! The practice table as a CSV.
 //!
 //! Columns in any order: `measure` (`base width`, `pull`, `fold`, `fill`), `is` (`at`, `below`, `above`), `value`, `unit` (`mm`, `cm`,
-//! `%`), `volume_ml`, and optionally `source`, a text of one row or more. Separators are semicolons, tabs or commas; decimals
-//! have a point or a comma.
+//! `%`), `volume_ml`, and optionally `source`, a text of one row or more. Decimals have a point or a comma in any cell: no number of
+//! the table reaches the thousands that a sign before three digits could separate.
 
 use super::limits;
 use super::practice::{Bound, Corrected, Correction, PracticeTable, source_of};
 use crate::curve::number;
-use crate::table;
+use crate::table::{Table, first_row};
 use std::fmt::Write as _;
 
 /// Greatest number of rows.
@@ -32,11 +32,8 @@ enum Row {
 /// Has a table the columns of a practice table? Then it is no shelf.
 #[must_use]
 pub fn is_practice_table(text: &str) -> bool {
-    let header = text.trim_start_matches('\u{feff}').lines().find(|line| !line.trim().is_empty());
-    header.is_some_and(|line| {
-        let names = cells(line, separator(line));
-        COLUMNS[..2].iter().all(|column| names.iter().any(|name| name == column))
-    })
+    let names = first_row(text);
+    COLUMNS[..2].iter().all(|column| names.iter().any(|name| name.trim() == *column))
 }
 
 impl PracticeTable {
@@ -56,41 +53,42 @@ impl PracticeTable {
 }
 
 fn read(text: &str) -> Result<PracticeTable, String> {
-    let text = text.trim_start_matches('\u{feff}');
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let (first, header) = lines.next().ok_or_else(|| format!("no line; {ALLOWED}"))?;
-    let separator = separator(header);
-    let names = cells(header, separator);
-    let place = |column: &str| names.iter().position(|name| name == column);
+    let read = Table::read(text).map_err(|error| error.to_string())?;
+    let mut rows = read.rows();
+    let header = rows.next().ok_or_else(|| format!("no line; {ALLOWED}"))?;
+    let names: Vec<&str> = header.cells().map(str::trim).collect();
+    let place = |column: &str| names.iter().position(|name| *name == column);
     for name in &names {
         if names.iter().filter(|other| *other == name).count() > 1 {
-            return Err(at(first, &format!("a second column “{}”; {ALLOWED}", shortened(name))));
+            let error = format!("a second column “{}”; {ALLOWED}", shortened(name));
+            return Err(at(header.line, &error));
         }
     }
     let mut places = [0; COLUMNS.len()];
     for (own, column) in places.iter_mut().zip(COLUMNS) {
-        *own = place(column)
-            .ok_or_else(|| at(first, &format!("the column “{column}” is missing; {ALLOWED}")))?;
+        *own = place(column).ok_or_else(|| {
+            at(header.line, &format!("the column “{column}” is missing; {ALLOWED}"))
+        })?;
     }
     let mut table =
         PracticeTable { starts: Vec::new(), corrections: Vec::new(), source: String::new() };
     let mut sources: Vec<String> = Vec::new();
-    for (count, (index, line)) in lines.enumerate() {
+    for (count, cells) in rows.enumerate() {
+        let line = cells.line;
         if count == MAX_ROWS {
-            return Err(at(index, &format!("more rows; allowed: up to {MAX_ROWS}")));
+            return Err(at(line, &format!("more rows; allowed: up to {MAX_ROWS}")));
         }
-        let cells = cells(line, separator);
-        if cells.len() > names.len() {
-            let (found, allowed) = (cells.len(), names.len());
+        if cells.cells().len() > names.len() {
+            let (found, allowed) = (cells.cells().len(), names.len());
             let error = format!("{found} columns; allowed: {allowed}, as in the line of names");
-            return Err(at(index, &error));
+            return Err(at(line, &error));
         }
-        let cell = |place: usize| cells.get(place).map_or("", String::as_str);
-        match row(places.map(cell)).map_err(|error| at(index, &error))? {
+        let cell = |place: usize| cells.cell(place).trim();
+        match row(places.map(cell)).map_err(|error| at(line, &error))? {
             Row::Start(start) => {
                 if table.starts.iter().any(|other| same(other[0], start[0])) {
                     let error = format!("a second volume for {} mm", number(start[0]));
-                    return Err(at(index, &format!("{error}; allowed: one for each base width")));
+                    return Err(at(line, &format!("{error}; allowed: one for each base width")));
                 }
                 table.starts.push(start);
             }
@@ -100,7 +98,7 @@ fn read(text: &str) -> Result<PracticeTable, String> {
                 };
                 if table.corrections.iter().any(is_equal) {
                     let error = "a second correction at this limit; allowed: one";
-                    return Err(at(index, error));
+                    return Err(at(line, error));
                 }
                 table.corrections.push(it);
             }
@@ -173,17 +171,8 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-6
 }
 
-fn at(index: usize, error: &str) -> String {
-    format!("line {}: {error}", index + 1)
-}
-
-fn separator(header: &str) -> u8 {
-    let known = [b';', b'\t'];
-    known.into_iter().find(|separator| header.as_bytes().contains(separator)).unwrap_or(b',')
-}
-
-fn cells(line: &str, separator: u8) -> Vec<String> {
-    table::cells(line, separator).map(|cell| cell.trim().to_owned()).collect()
+fn at(line: usize, error: &str) -> String {
+    format!("line {line}: {error}")
 }
 
 fn write(table: &PracticeTable) -> String {
@@ -241,6 +230,34 @@ mod tests {
             Correction { of: Corrected::Pull, bound: Bound::Below, limit: 22.0, volume_ml: -20.0 };
         assert_eq!((table.corrections(), table.source()), (&[expected][..], ""));
         assert!(!table.is_built_in());
+    }
+
+    #[test]
+    fn every_form_of_a_table_is_read() {
+        let table = PracticeTable::from_csv(
+            "measure;is;value;unit;volume_ml;source\nbase width;at;11;cm;250;A, B\nbase width;at;12.5;cm;320;",
+        );
+        let table = table.unwrap();
+        for (text, source) in [
+            (
+                "sep=;\rmeasure;is;value;unit;volume_ml;source;\rbase width;at;11;cm;250;\"A,\rB\";\r;;;\rbase width;at;12,5;cm;320;;\r",
+                "A, B",
+            ),
+            (
+                "measure,is,value,unit,volume_ml,source\r\nbase width,at,110,mm,250,\"A, B\"\r\nbase width,at,\"12,5\",cm,320,\r\n",
+                "A, B",
+            ),
+            (
+                "sep=|\nmeasure|is|value|unit|volume_ml\nbase width|at|11|cm|250\nbase width|at|12.5|cm|320",
+                "",
+            ),
+        ] {
+            assert!(is_practice_table(text), "{text:?}");
+            let found = PracticeTable::from_csv(text).unwrap();
+            assert_eq!((found.starts(), found.source()), (table.starts(), source), "{text:?}");
+        }
+        let error = PracticeTable::from_csv("measure;is\r\"base;at").unwrap_err();
+        assert!(error.starts_with("line 2: a quotation mark is not closed; "), "{error}");
     }
 
     #[test]

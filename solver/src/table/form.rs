@@ -1,6 +1,6 @@
 //! The form of a table: separator of columns and decimal sign, found by its beginning.
 
-use super::{Decimals, RawRow, Rows, cells};
+use super::{BEGINNING_BYTES, Decimals, RawRow, Rows, cells};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -96,6 +96,25 @@ impl Form {
             }
         }
     }
+}
+
+/// The cells of a table's first row that is not empty.
+#[must_use]
+pub fn first_row(text: &str) -> Vec<String> {
+    let beginning = beginning(text);
+    let form = Form::of(beginning);
+    let mut found = Vec::new();
+    form.visit(beginning, |row| {
+        found = cells(&text_of(row), form.separator()).map(Cow::into_owned).collect();
+        false
+    });
+    found
+}
+
+/// The beginning of a text that shows the form of its table, without a byte order mark.
+pub(super) fn beginning(text: &str) -> &[u8] {
+    let bytes = text.trim_start_matches('\u{feff}').as_bytes();
+    &bytes[..bytes.len().min(BEGINNING_BYTES)]
 }
 
 impl fmt::Display for Form {

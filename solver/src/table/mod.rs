@@ -10,7 +10,7 @@ mod number;
 mod rows;
 
 pub use encoding::{Encoding, NotText, decode, encoding, line_at};
-pub use form::{Form, Shown};
+pub use form::{Form, Shown, first_row};
 pub use number::{Decimals, NumberError, Quantity};
 pub use rows::{MAX_ROW_BYTES, RawRow, RowFault, Rows, cells};
 
@@ -78,8 +78,7 @@ impl Table {
     /// # Errors
     /// A quotation mark without its partner, with its line; a table that is too long.
     pub fn read(text: &str) -> Result<Self, TableError> {
-        let bytes = text.trim_start_matches('\u{feff}').as_bytes();
-        let form = Form::of(&bytes[..bytes.len().min(BEGINNING_BYTES)]);
+        let form = Form::of(form::beginning(text));
         let mut table = Self::read_as(text, form)?;
         let mut shown = Shown::default();
         table.rows().flat_map(Row::cells).for_each(|cell| shown.add(cell));
