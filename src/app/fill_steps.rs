@@ -1,6 +1,6 @@
 //! The fill steps of an expander by week: the values of the curve over the fill at each visit.
 
-use super::texts::{tr, word_of};
+use super::texts::{mmhg, tr, word_of};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::quantity::format_at_most;
 use super::widgets::{NumberField, rejection_label, remark};
@@ -43,6 +43,10 @@ const LOWEST: &str = "usual";
 /// The columns of words.
 const WORDS: [usize; 2] = [5, 7];
 
+fn whole(value: f64) -> String {
+    format!("{value:.0}")
+}
+
 /// What a user does with the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Use {
@@ -63,14 +67,23 @@ impl FillSteps {
         (0..=visits).map(fill).collect()
     }
 
-    /// The table up to a full fill \[ml\], heads first; a fill beyond the curve has no values.
+    /// The table up to a full fill \[ml\] as a surgeon reads it, heads first; a fill beyond the curve has no values.
     pub(super) fn rows(self, curve: &Map, full_ml: f64) -> Vec<Vec<String>> {
+        self.rows_with(curve, full_ml, mmhg)
+    }
+
+    /// [`Self::rows`] with the texts of the pressures.
+    fn rows_with(
+        self,
+        curve: &Map,
+        full_ml: f64,
+        pressure_text: fn(f64) -> String,
+    ) -> Vec<Vec<String>> {
         let none = || "–".to_owned();
         let mut rows = vec![HEADS.map(|head| tr(head).to_owned()).to_vec()];
         let mut before = 0.0;
         for (visit, fill) in self.fills(full_ml).into_iter().enumerate() {
             let value = |quantity: Quantity| curve.between(quantity, fill, 0.0);
-            let whole = |value: f64| format!("{value:.0}");
             let pressure = value(Quantity::GreatestPressureMmhg);
             let pressure_word = pressure
                 .map(|most| word_of(&bands::PRESSURE, bands::PRESSURE.verdict(most).1).to_owned());
@@ -83,7 +96,7 @@ impl FillSteps {
                 if visit == 0 { "op.".to_owned() } else { visit.to_string() },
                 format!("{:.0}", fill - before),
                 format!("{fill:.0}"),
-                pressure.map_or_else(none, whole),
+                pressure.map_or_else(none, pressure_text),
                 pressure_word.unwrap_or_else(none),
                 stretch.map_or_else(none, |strain| whole(100.0 * strain)),
                 stretch_word.unwrap_or_else(none),
@@ -148,8 +161,9 @@ impl FillSteps {
             }
             Use::Save => {
                 // The names of the columns of a file are English, and its numbers have points.
+                let rows = self.rows_with(curve, full_ml, whole).into_iter().skip(1);
                 let heads = [HEADS.map(str::to_owned).to_vec()];
-                let mut rows: Vec<_> = heads.into_iter().chain(rows.into_iter().skip(1)).collect();
+                let mut rows: Vec<_> = heads.into_iter().chain(rows).collect();
                 for week in rows.iter_mut().filter_map(|row| row.first_mut()) {
                     *week = week.replace(',', ".");
                 }
@@ -239,7 +253,11 @@ mod tests {
         while let Some((index, job)) = curve.next_job(&mut store) {
             curve.receive(index, evaluate(&job), &mut store);
         }
-        let rows = steps(50.0, 150.0).rows(&curve, 600.0);
+        let schedule = steps(50.0, 150.0);
+        let rows = schedule.rows_with(&curve, 600.0, whole);
+        let shown = schedule.rows(&curve, 600.0);
+        assert_eq!(shown[5][4], "over 100");
+        assert_eq!(shown[2], rows[2]);
         assert_eq!(rows[0], HEADS);
         assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–", "–", "–"]);
         assert_eq!(rows[2][..4], ["2", "1", "150", "200"]);

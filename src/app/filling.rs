@@ -9,7 +9,7 @@ use super::plots::fixed_plot;
 use super::range::{marks, within_text};
 use super::shared::Shared;
 use super::studies::{Driver, Studies};
-use super::texts::{fixed, tr};
+use super::texts::{MOST_PRESSURE, fixed, mmhg, tr};
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
 use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
@@ -194,13 +194,14 @@ impl Filling {
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
         let line = self.line(chart.quantity);
         let name = tr(chart.name).to_owned();
+        let is_pressure = chart.quantity == Quantity::GreatestPressureMmhg;
         let read = move |at: &HoverPosition<'_>| match at {
             HoverPosition::NearDataPoint { position: at, .. } => {
-                Some(format!("{:.0} ml\n{name}: {}", at.x, fixed(at.y, 1)))
+                let value = if is_pressure { mmhg(at.y) } else { fixed(at.y, 1) };
+                Some(format!("{:.0} ml\n{name}: {value}", at.x))
             }
             HoverPosition::Elsewhere { .. } => None,
         };
-        let is_pressure = chart.quantity == Quantity::GreatestPressureMmhg;
         let plot = fixed_plot(chart.name, HEIGHT)
             .width(ui.available_width() - SPACE)
             .y_axis_min_width(AXIS_WIDTH)
@@ -218,6 +219,10 @@ impl Filling {
             if is_pressure {
                 let (least, most) = FILLING_PRESSURE_MMHG;
                 let top = line.iter().fold(0.0, |top: f64, point| top.max(point[1]));
+                // The numbers beside the chart end where the pressure is no number.
+                if top > MOST_PRESSURE {
+                    plot.set_plot_bounds_y(0.0..=MOST_PRESSURE);
+                }
                 // A range far above the curve would flatten the curve.
                 if let Some((from, to)) = ends.filter(|_| top > 0.5 * least) {
                     let corners = [[from, least], [to, least], [to, most], [from, most]];
@@ -247,8 +252,8 @@ impl Filling {
         let line = self.line(Quantity::GreatestPressureMmhg);
         let mut words = Vec::new();
         if let (Some([least, low]), Some([most, high])) = (line.first(), line.last()) {
-            words.push(tr!("From {least:.0} to {most:.0} ml the greatest pressure goes from {low:.0} to {high:.0} mmHg. The \
-                 upright line is this plan's fill.", least, most, low, high));
+            words.push(tr!("From {least:.0} to {most:.0} ml the greatest pressure goes from {low} to {high} mmHg. The \
+                 upright line is this plan's fill.", least, most, low = mmhg(*low), high = mmhg(*high)));
         }
         if line.len() < COUNT {
             let missing = COUNT - line.len();

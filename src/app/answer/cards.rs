@@ -173,7 +173,11 @@ impl<'a> Sampled<'a> {
         let Some((band, findings)) = self.band(quantity).zip(self.0) else { return String::new() };
         let (factor, unit) = quantity.display();
         let decimals = usize::from(unit == "mm");
-        let [low, high] = [band.p10, band.p90].map(|value| fixed(factor * value, decimals));
+        let ends = [band.p10, band.p90].map(|value| factor * value);
+        if unit == "mmHg" && ends[1].round() > texts::MOST_PRESSURE {
+            return format!("({}) ", texts::pressures(ends));
+        }
+        let [low, high] = ends.map(|value| fixed(value, decimals));
         match findings.without_answer() > OPEN_ABOVE {
             true if is_low_worse => format!("(≤ {low}–{high}) "),
             true => format!("({low}–≥ {high}) "),
@@ -189,7 +193,10 @@ impl<'a> Sampled<'a> {
 
     /// The median with its unit.
     fn median(&self, quantity: Quantity) -> Option<String> {
-        let text = |band: &Band| band.text.rsplit_once(", ").map(|(median, _)| localized(median));
+        let text = |band: &Band| match quantity.display() {
+            (factor, "mmHg") => Some(texts::pressure(factor * band.p50)),
+            _ => band.text.rsplit_once(", ").map(|(median, _)| localized(median)),
+        };
         self.band(quantity).and_then(text)
     }
 

@@ -252,8 +252,8 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
     let pressure = answer.pressure.map_or_else(String::new, |(mean, most)| {
         let word = word_of(&bands::PRESSURE, bands::pressure_word(most));
         tr!(
-            " Pressure {mean:.0} mmHg on average, at most {most}, {word}.",
-            mean,
+            " Pressure {mean} on average, at most {most}, {word}.",
+            mean = texts::pressure(mean),
             most = texts::pressure(most),
             word
         )

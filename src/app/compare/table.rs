@@ -2,7 +2,7 @@
 
 use crate::app::details::{figures, known_decimals, position_error};
 use crate::app::differing;
-use crate::app::texts::{fixed, tr, word_of};
+use crate::app::texts::{MOST_PRESSURE, fixed, mmhg, pressures, tr, word_of};
 use crate::app::theme::SPACE_SMALL;
 use crate::measure::{Outcome, Status, bands};
 use crate::scene::{Field, Scene};
@@ -58,6 +58,9 @@ const ROWS: [Row; 11] = [
     Row::new("Mound height", "mm", 1, Value::Result(Quantity::SkinProjectionMm)),
 ];
 
+/// What stands in place of a difference without a number.
+const NO_DIFFERENCE: &str = "–";
+
 /// The rows in sight: the size and the figures of the answer.
 const FIRST: [&str; 4] = ["Volume", "Most stretch", "Least cover", "Most pressure"];
 
@@ -93,18 +96,33 @@ impl Row {
         Cell {
             text: self.text(entry),
             word: entry.and_then(|entry| entry.word),
-            band: band.map(|band| range(band, self.decimals)),
+            band: band.map(|band| self.range(band)),
         }
     }
 
+    fn is_pressure(&self) -> bool {
+        self.unit == "mmHg"
+    }
+
+    /// A band of values in words.
+    fn range(&self, band: [f64; 2]) -> String {
+        if self.is_pressure() { pressures(band) } else { range(band, self.decimals) }
+    }
+
     fn text(&self, entry: Option<&Entry>) -> String {
-        let figures = |e: &Entry| figures(e.value, self.decimals, e.error);
+        let figures = |e: &Entry| match self.is_pressure() {
+            true => mmhg(e.value),
+            false => figures(e.value, self.decimals, e.error),
+        };
         entry.map_or_else(|| "–".to_owned(), figures)
     }
 
-    /// Plan minus pin of the values as they are shown, with its sign and the decimals that both values have.
+    /// Plan minus pin of the values as they are shown, with its sign and the decimals that both values have; a pressure that is not
+    /// shown as a number has none.
     fn difference(&self, own: Option<&Entry>, pin: Option<&Entry>) -> String {
-        let Some((own, pin)) = own.zip(pin) else { return "–".to_owned() };
+        let is_number = |e: &Entry| !self.is_pressure() || e.value.round() <= MOST_PRESSURE;
+        let both = own.zip(pin).filter(|(own, pin)| is_number(own) && is_number(pin));
+        let Some((own, pin)) = both else { return NO_DIFFERENCE.to_owned() };
         let known = |e: &Entry| known_decimals(e.value, self.decimals, e.error);
         let decimals = known(own).min(known(pin));
         let shown = |e: &Entry| format!("{:.decimals$}", e.value).parse().unwrap_or(e.value);
@@ -152,8 +170,8 @@ fn lines<'a>(
             cells.push(row.cell(entry.as_ref(), row.band(of_pin, None)));
             if has_differences {
                 let band = of_pin.and_then(|of_pin| row.band(of_own, Some(of_pin)));
-                let band = band.filter(|_| own.is_some() && entry.is_some());
                 let text = row.difference(own.as_ref(), entry.as_ref());
+                let band = band.filter(|_| text != NO_DIFFERENCE);
                 let band = band.map(|band| range(band, row.decimals));
                 cells.push(Cell { text, word: None, band });
             }
@@ -402,6 +420,12 @@ mod tests {
         assert_eq!(difference((12.0, 1e-6), (7.3, 1e-6)), "+4.7");
         assert_eq!(difference((12.0, 1e-6), (7.3, 2e-2)), "+5");
         assert_eq!(row.difference(None, Some(&entry((7.3, 1e-6)))), "–");
+        let pressure = ROWS.iter().find(|row| row.name == "Most pressure").unwrap();
+        let [low, high] = [(40.4, 1e-6), (161.0, 1e-6)].map(entry);
+        assert_eq!([Some(&low), Some(&high)].map(|e| pressure.text(e)), ["40", "over 100"]);
+        assert_eq!(pressure.difference(Some(&high), Some(&low)), "–");
+        assert_eq!(pressure.range([60.0, 161.0]), "60 to over 100");
+        assert_eq!(pressure.range([120.0, 161.0]), "over 100");
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub(super) fn applies(quantity: Quantity, is_layered: bool) -> bool {
 pub(super) fn text(quantity: Quantity, value: f64) -> String {
     let (factor, unit) = quantity.display();
     if unit == "mmHg" {
-        return pressure(factor * value + 0.0);
+        return pressure(factor * value);
     }
     let decimals = match unit {
         "mm" | "N" | "kPa" => 1,

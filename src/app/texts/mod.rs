@@ -92,14 +92,28 @@ pub(super) fn tissue_of_file(typed: &str) -> &str {
 }
 
 /// Greatest contact pressure that is shown as a number \[mmHg\].
-const MOST_PRESSURE: f64 = 100.0;
+pub(super) const MOST_PRESSURE: f64 = 100.0;
 
-/// A contact pressure with its unit; above [`MOST_PRESSURE`] no number: the model is a guess there.
-pub(super) fn pressure(mmhg: f64) -> String {
-    if mmhg.round() > MOST_PRESSURE {
-        return tr!("over {most:.0} mmHg", most = MOST_PRESSURE);
+/// A contact pressure \[mmHg\]; above [`MOST_PRESSURE`] no number: the model is a guess there.
+pub(super) fn mmhg(value: f64) -> String {
+    match value.round() {
+        number if number > MOST_PRESSURE => tr!("over {most:.0}", most = MOST_PRESSURE),
+        number => format!("{:.0}", number + 0.0),
     }
-    format!("{mmhg:.0} mmHg")
+}
+
+/// A contact pressure with its unit.
+pub(super) fn pressure(value: f64) -> String {
+    format!("{} mmHg", mmhg(value))
+}
+
+/// A range of contact pressures \[mmHg\], as "14–33" or "60 to over 100".
+pub(super) fn pressures([low, high]: [f64; 2]) -> String {
+    match [low, high].map(|value| value.round() > MOST_PRESSURE) {
+        [true, _] => mmhg(low),
+        [_, true] => format!("{}{}{}", mmhg(low), tr(" to "), mmhg(high)),
+        _ => format!("{}–{}", mmhg(low), mmhg(high)),
+    }
 }
 
 /// The word of a band of limits in the present language; words of the pressure are feminine in Spanish.

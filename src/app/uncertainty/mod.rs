@@ -12,7 +12,7 @@ mod unknowns;
 pub(super) use panel::figure;
 
 use super::studies::{Driver, Studies};
-use crate::app::texts::{localized, tr};
+use crate::app::texts::tr;
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::session::Session;
@@ -288,8 +288,10 @@ impl Uncertainty {
         }
         let list: Vec<String> = panel::ANSWER
             .iter()
-            .filter_map(|(quantity, name)| Some((findings.band(*quantity)?, name)))
-            .map(|(band, name)| format!("{} {}", tr(name).to_lowercase(), localized(&*band.text)))
+            .filter_map(|(quantity, name)| {
+                let words = panel::band_in_words(*quantity, findings.band(*quantity)?);
+                Some(format!("{} {words}", tr(name).to_lowercase()))
+            })
             .collect();
         tr!(
             " Of {count} sampled patients 8 in 10 lie between: {list}. {note}",

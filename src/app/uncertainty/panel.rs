@@ -1,12 +1,12 @@
 //! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
 
 use super::{Findings, Uncertainty, chart, has_answer};
-use crate::app::texts::{fixed, localized, pressure, tr};
+use crate::app::texts::{fixed, localized, pressure, pressures, tr};
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
 use crate::measure::Outcome;
 use crate::session::Session;
-use crate::study::{NOTES, PointStatus, Quantity, Scenario};
+use crate::study::{Band, NOTES, PointStatus, Quantity, Scenario};
 use eframe::egui::{self, RichText, Ui};
 
 /// The sentence beside every band.
@@ -201,6 +201,17 @@ pub(in crate::app) fn figure(quantity: Quantity, value: f64) -> String {
     match unit {
         "mmHg" => pressure(factor * value),
         _ => format!("{} {unit}", fixed(factor * value, usize::from(unit == "mm"))),
+    }
+}
+
+/// Median and percentiles of a band, as "15 %, 11–17"; pressures as in the cards.
+pub(super) fn band_in_words(quantity: Quantity, band: &Band) -> String {
+    match quantity.display() {
+        (factor, "mmHg") => {
+            let range = pressures([band.p10, band.p90].map(|value| factor * value));
+            format!("{}, {range}", pressure(factor * band.p50))
+        }
+        _ => localized(&*band.text),
     }
 }
 
