@@ -39,6 +39,8 @@ mod no_answer;
 mod notices;
 #[path = "screens/pictures.rs"]
 mod pictures;
+#[path = "screens/research.rs"]
+mod research;
 #[path = "screens/side.rs"]
 mod side;
 #[path = "screens/sizes.rs"]
@@ -58,20 +60,34 @@ const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
 
 /// The app on a small grid, solved and at rest.
 fn app(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
+    start(size, change, None)
+}
+
+/// [`app`] with the switch "Research".
+fn researching(size: egui::Vec2, change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
+    start(size, change, Some("on"))
+}
+
+fn start(
+    size: egui::Vec2,
+    change: impl FnOnce(&mut Scene),
+    is_research: Option<&str>,
+) -> Harness<'static, App> {
     let mut scene = Scene::default();
     scene.solver.nodes_per_side = 33;
     change(&mut scene);
     let ctx = egui::Context::default();
-    let app = App::new(&ctx, None, scene, beside_window).unwrap();
+    let mut app = App::new(&ctx, None, scene, beside_window).unwrap();
+    app.restore_research(is_research);
     let mut harness = window(size, 400, app);
     settle(&mut harness);
     harness
 }
 
-/// The app with its folds open: all controls and numbers.
+/// The app with the switch "Research" and its folds open: all controls and numbers.
 fn unfolded(change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
-    let mut harness = app(WIDE, change);
-    for fold in ["Advanced", "Details", "Where limits come from"] {
+    let mut harness = researching(WIDE, change);
+    for fold in ["Tissue", "Advanced", "Details", "Where limits come from"] {
         unfold(&mut harness, fold);
     }
     harness
@@ -226,17 +242,20 @@ fn every_control_and_reading_has_its_name() {
 #[test]
 fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
     for size in [DESKTOP, egui::vec2(1280.0, 800.0), egui::vec2(1024.0, 768.0)] {
-        let mut harness = app(size, |scene| *scene = flat_plan());
+        let mut harness = app(size, |scene| {
+            *scene = flat_plan();
+            scene.solver = Scene::opening().solver;
+        });
         // The expander's and the pull's rows too.
         for chips in [&[][..], &["pull…"][..], &["expander"][..]] {
             for chip in chips {
                 harness.get_by_role_and_label(Role::Button, chip).click();
                 settle(&mut harness);
             }
-            let advanced = harness.get_by_label("Advanced").rect();
+            let tissue = harness.get_by_label("Tissue").rect();
             let sources = harness.get_by_label("Where limits come from").rect();
             let status = harness.get_by_label("Up to date").rect();
-            assert!(advanced.bottom() < status.top(), "{size} {chips:?}: {advanced:?}");
+            assert!(tissue.bottom() < status.top(), "{size} {chips:?}: {tissue:?}");
             assert!(sources.bottom() < status.top(), "{size} {chips:?}: {sources:?}");
             assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size} {chips:?}");
         }
@@ -247,7 +266,7 @@ fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
 
 #[test]
 fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
-    let mut harness = app(DESKTOP, |scene| *scene = Scene::opening());
+    let mut harness = researching(DESKTOP, |scene| *scene = Scene::opening());
     let scene = harness.state().session().scene().clone();
     assert_eq!((scene.implant.base_radius_mm, scene.pocket_radius_mm), (60.0, 70.0));
     let value = |harness: &Harness<'static, App>, name: &'static str| {
@@ -281,7 +300,7 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
 
 #[test]
 fn any_two_of_width_volume_and_projection_give_the_third() {
-    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     let size = |harness: &Harness<'static, App>| {
         let implant = harness.state().session().scene().implant;
         let (radius, projection) = (implant.base_radius_mm, implant.projection_mm);
@@ -347,7 +366,7 @@ fn pinch_and_skin_become_thicknesses_and_a_strain_scale() {
     type_into(&mut harness, "Pull (cm)", "3,5");
     assert!((scene(&harness).layers[0].curve.strain_scale - 1.0).abs() < 0.05);
     // A value set by hand stays, is marked, and can be given back to the measurements.
-    unfold(&mut harness, "Advanced");
+    unfold(&mut harness, "Tissue");
     let fields = harness.get_all_by_role_and_label(Role::SpinButton, "Thickness (mm)");
     fields.last().unwrap().focus();
     harness.run();
@@ -436,6 +455,9 @@ fn an_edit_is_solved_in_its_own_frame() {
         (PHONE, "In place (%)"),
     ] {
         let mut harness = app(size, |_| {});
+        if field == "In place (%)" {
+            open_push(&mut harness);
+        }
         harness.get_by_role_and_label(Role::SpinButton, field).focus();
         harness.run();
         let session = harness.state().session();
@@ -583,7 +605,7 @@ fn the_papers_springs_are_chosen_with_their_tissue_model_in_one_step() {
 
 #[test]
 fn the_half_sphere_is_an_example_of_the_menu_and_the_plan_comes_back() {
-    let mut harness = app(DESKTOP, |scene| scene.set_tissue_model(TissueModel::Sheet));
+    let mut harness = researching(DESKTOP, |scene| scene.set_tissue_model(TissueModel::Sheet));
     for (example, scene) in
         [("Half sphere of 11 cm", Scene::default()), ("Usual implant", Scene::opening())]
     {
@@ -633,7 +655,7 @@ fn an_idle_app_solves_nothing_and_requests_no_repaint() {
 
 #[test]
 fn a_colour_the_section_and_the_theme_solve_nothing() {
-    let mut harness = app(WIDE, |_| {});
+    let mut harness = researching(WIDE, |_| {});
     let counters = harness.state().session().counters();
     focus_picture(&mut harness);
     for key in [egui::Key::Num1, egui::Key::Num3, egui::Key::Num5] {
@@ -1078,7 +1100,7 @@ fn volume_of(words: &str) -> f64 {
 fn the_largest_volume_that_stays_usual_is_known_without_an_edit_and_is_taken_by_a_press() {
     for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| *scene = flat_plan());
-        let below = if size == PHONE { "In place (%)" } else { "Pinch (cm)" };
+        let below = if size == PHONE { "Projection (cm)" } else { "Pinch (cm)" };
         let place = |harness: &Harness<'static, App>| {
             harness.get_by_role_and_label(Role::SpinButton, below).rect()
         };
@@ -1133,7 +1155,7 @@ fn the_largest_volume_that_stays_usual_is_that_of_single_solves() {
 
 #[test]
 fn the_sentence_of_the_answer_has_size_and_figures_of_one_plan() {
-    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     let sentence = |harness: &Harness<'static, App>| {
         let found = harness.get_by_label_contains(" ml, 12 cm: ");
         found.accesskit_node().label().or(found.accesskit_node().value()).unwrap()
@@ -1225,7 +1247,7 @@ fn choosing_measured_points_moves_no_point_of_a_preset() {
 
 #[test]
 fn typed_numbers_are_stored_exactly_or_rejected_with_a_message() {
-    let mut harness = app(WIDE, |_| {});
+    let mut harness = researching(WIDE, |_| {});
     let radius =
         |harness: &Harness<'static, App>| harness.state().session().scene().implant.base_radius_mm;
     let field = "Width (cm)";
@@ -1395,6 +1417,14 @@ fn swipe_within(
     settle(harness);
 }
 
+/// Opens the fold of the push of the implant; on a phone it is in a tab.
+fn open_push(harness: &mut Harness<'static, App>) {
+    if harness.query_by_role_and_label(Role::Button, "Patient").is_some() {
+        press(harness, "Patient");
+    }
+    unfold(harness, "Tissue");
+}
+
 #[test]
 fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
     let mut harness = app(PHONE, |_| {});
@@ -1402,6 +1432,7 @@ fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
     let slider = |harness: &Harness<'static, App>| {
         harness.get_by_role_and_label(Role::Slider, "In place (%)").rect()
     };
+    open_push(&mut harness);
     // The Tab key scrolls the slider into view; a slider with the focus behaves equally.
     harness.get_by_role_and_label(Role::Button, "Show insertion").focus();
     harness.run();
@@ -1433,6 +1464,7 @@ fn a_swipe_across_a_slider_scrolls_and_one_along_it_moves_the_handle() {
 fn a_swipe_along_a_slider_moves_the_handle_as_far_in_slow_frames() {
     let travelled = |frames: usize| {
         let mut harness = app(PHONE, |_| {});
+        open_push(&mut harness);
         harness.get_by_role_and_label(Role::Button, "Show insertion").focus();
         harness.run();
         harness.key_press(egui::Key::Tab);
@@ -1675,7 +1707,7 @@ fn pins(harness: &Harness<'static, App>) -> Vec<String> {
 
 #[test]
 fn the_comparison_of_two_pins_and_the_answer_are_whole_on_a_small_desktop() {
-    let mut harness = app(egui::vec2(1024.0, 768.0), |scene| *scene = flat_plan());
+    let mut harness = researching(egui::vec2(1024.0, 768.0), |scene| *scene = flat_plan());
     for (pin, volume) in [("Pin as A", "380"), ("Pin as B", "640")] {
         press(&mut harness, pin);
         type_into(&mut harness, "Volume (ml)", volume);
@@ -1957,7 +1989,7 @@ fn a_kept_plan_is_the_first_plan_of_the_next_start() {
 
 #[test]
 fn the_profile_beyond_a_half_sphere_is_no_half_sphere() {
-    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     let is_chosen = |harness: &Harness<'static, App>| {
         let chip = harness.get_by_role_and_label(Role::Button, "Half sphere");
         chip.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)

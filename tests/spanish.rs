@@ -117,7 +117,9 @@ fn assert_spanish(harness: &Harness<'static, App>) {
 #[test]
 fn the_opening_plan_is_in_spanish() {
     let _alone = alone();
-    let harness = app("es-ES", DESKTOP, |_| {});
+    let mut harness = app("es-ES", DESKTOP, |_| {});
+    harness.state_mut().restore_research(Some("on"));
+    harness.run();
     for text in [
         "Qué ocurre",
         "Estiramiento de la piel",
@@ -252,13 +254,13 @@ fn the_range_of_implants_is_in_spanish() {
 fn nothing_is_cut_on_screens_of_a_desk() {
     let _alone = alone();
     for size in [DESKTOP, egui::vec2(1280.0, 800.0), egui::vec2(1024.0, 768.0)] {
-        let mut harness = app("es", size, |_| {});
+        let mut harness = app("es", size, |scene| scene.solver = Scene::opening().solver);
         for chips in [&[][..], &["cm…"][..], &["expansor"][..]] {
             for chip in chips {
                 press(&mut harness, chip);
             }
             let status = harness.get_by_label("Al día").rect();
-            for fold in ["Avanzado", "Origen de los límites"] {
+            for fold in ["Tejido", "Origen de los límites"] {
                 let fold = harness.get_by_label(fold).rect();
                 assert!(fold.bottom() < status.top(), "{size} {chips:?}: {fold:?}");
             }

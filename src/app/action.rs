@@ -35,6 +35,7 @@ pub(super) enum Task {
     CrossSection,
     Torso,
     Ruler,
+    Research,
     Play,
     /// The range of implants in place of the picture?
     ShowRange(bool),

@@ -1,13 +1,15 @@
-//! The folded part of the plan: accuracy, fat, fullness, layers and curves, tissue model, patch and attachment, springs.
+//! The folded parts of the plan. Tissue: insertion, fat, layers and curves. Advanced: accuracy, fullness, tissue model, patch and attachment,
+//! springs.
 
 use super::curve_editor;
 use super::device::Device;
 use super::fat;
 use super::plan::{Hand, chip, chips};
+use super::research;
 use super::stability;
 use super::texts::{self, tr};
 use super::theme::{SPACE, SPACE_SMALL};
-use super::widgets::{Control, button_if, choice, group, labelled_box};
+use super::widgets::{Control, button_if, choice, group, labelled_box, set_accessible_name};
 use crate::clinical::HALF_ELLIPSOID;
 use crate::scene::{AttachmentSettings, Body, Field, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
@@ -17,19 +19,61 @@ use eframe::egui::{self, RichText, Ui};
 const ACCURACIES: [(&str, usize, f64); 3] =
     [("Fast", 65, 1e-3), ("Normal", 129, 1e-4), ("Fine", 257, 1e-4)];
 
-/// Shows the fold, closed at first. Returns the layer whose points are to be edited.
-pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) -> Option<usize> {
-    let header = egui::CollapsingHeader::new(tr("Advanced")).id_salt("advanced");
+/// Shows the fold of the tissue, closed at first: what `add` shows, fat, layers with their curves. Returns the layer whose points are to
+/// be edited.
+pub(super) fn tissue(
+    ui: &mut Ui,
+    scene: &mut Scene,
+    hand: Hand,
+    add: impl FnOnce(&mut Ui, &mut Scene),
+) -> Option<usize> {
+    let title = match scene.insertion {
+        whole if whole >= 1.0 => tr("Tissue").to_owned(),
+        part => tr!("Tissue ({percent:.0} % in place)", percent = 100.0 * part),
+    };
+    let header = egui::CollapsingHeader::new(title).id_salt("tissue");
     let fold = header.show_unindented(ui, |ui| {
-        accuracy(ui, scene, hand);
+        add(ui, scene);
         fat::show(ui, scene, hand);
-        fullness(ui, scene);
-        let edited = layers(ui, scene);
-        ui.add_space(SPACE);
-        method(ui, scene, session);
-        edited
+        layers(ui, scene)
     });
+    set_accessible_name(&fold.header_response, egui::Role::DisclosureTriangle, tr("Tissue"));
     fold.body_returned.flatten()
+}
+
+/// Shows the fold of accuracy, fullness and model, closed at first: without "Research" only what differs from its default, and no fold
+/// without such a difference.
+pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) {
+    let is_on = research::is_on(ui.ctx());
+    let is_full = scene.implant.fullness.is_some();
+    let [has_accuracy, has_fullness, has_model] =
+        [!has_usual_accuracy(scene), is_full, !is_standard(scene)].map(|differs| is_on || differs);
+    if !(has_accuracy || has_fullness || has_model) {
+        return;
+    }
+    let header = egui::CollapsingHeader::new(tr("Advanced")).id_salt("advanced");
+    header.show_unindented(ui, |ui| {
+        if has_accuracy {
+            accuracy(ui, scene, hand);
+        }
+        if has_fullness {
+            fullness(ui, scene);
+        }
+        if has_model {
+            method(ui, scene, session);
+        }
+    });
+}
+
+/// Is the model the usual one: skin on solid layers, standard law, patch and attachment of every plan?
+fn is_standard(scene: &Scene) -> bool {
+    let usual = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
+    scene.springs == Springs::Coupled && scene.body.as_ref() == Some(&usual)
+}
+
+/// Is the accuracy that of the opening plan?
+pub(super) fn has_usual_accuracy(scene: &Scene) -> bool {
+    accuracy_name(scene) == Some(tr(ACCURACIES[1].0))
 }
 
 /// The name of a scene's accuracy; `None` for other numbers.

@@ -65,10 +65,11 @@ const TABLE: &str =
 const LINK: &str =
     "The whole plan as an address, without the entries for the file; no server gets it";
 const AREOLA: &str = "A circle of 4 cm on the skin at rest, over the middle of the pocket; the circle stretches with the skin";
+const RESEARCH: &str = "What physics and developers need: the grid, all colours, accuracy and model, numbers in N and kPa, formats of programs";
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
-pub(super) const COMMANDS: [Entry; 41] = [
+pub(super) const COMMANDS: [Entry; 42] = [
     keyed(Task::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
     keyed(Task::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Task::SaveNumbers, "Save numbers (JSON)…", ""),
@@ -123,6 +124,7 @@ pub(super) const COMMANDS: [Entry; 41] = [
         "Straight and along the skin between two points of the picture (R)",
         Keyed::OnPicture(Key::R),
     ),
+    entry(Task::Research, "Research", RESEARCH),
     keyed(Task::Play, "Show insertion", "Show insertion (space)", Keyed::OnPicture(Key::Space)),
     entry(Task::ShowRange(false), PICTURE, "This plan in three dimensions"),
     entry(
@@ -183,8 +185,23 @@ pub(super) fn is_on(shared: &Shared, task: Task) -> Option<bool> {
         Task::CrossSection => Some(shared.show_strip),
         Task::Torso => Some(shared.options.torso),
         Task::Ruler => Some(shared.viewport.has_ruler()),
+        Task::Research => Some(shared.research),
         _ => None,
     }
+}
+
+/// Is a command behind the switch "Research"? A switch that is on stays in sight.
+pub(super) fn is_hidden(shared: &Shared, task: Task) -> bool {
+    let is_for_research = matches!(
+        task,
+        Task::SaveNumbers
+            | Task::SaveProfile
+            | Task::HalfSphere
+            | Task::Look(View::Top)
+            | Task::Colour(2 | 3)
+            | Task::Grid
+    );
+    is_for_research && !shared.research && is_on(shared, task) != Some(true)
 }
 
 /// An item of a menu.
@@ -194,8 +211,11 @@ pub(super) fn menu_item(ui: &mut Ui, shared: &Shared, task: Task, actions: &mut 
     }
 }
 
-/// The control of a command: a button, or a box with a tick for a switch. Returns whether it was clicked.
+/// The control of a command, unless that is hidden: a button, or a box with a tick for a switch. Returns whether it was clicked.
 pub(super) fn item(ui: &mut Ui, shared: &Shared, task: Task, actions: &mut Vec<Action>) -> bool {
+    if is_hidden(shared, task) {
+        return false;
+    }
     let (entry, why_not) = (entry_of(task), why_not(shared, task));
     let name = shared.choices.device.words(tr(entry.name));
     let response = match is_on(shared, task) {

@@ -2,6 +2,7 @@
 
 use super::answer::band_color;
 use super::device::Device;
+use super::research;
 use super::texts::{self, localized, tr};
 use super::uncertainty::Findings;
 use super::widgets::quantity::without_negative_zero;
@@ -64,7 +65,9 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
                 - (skin.pocket_after_cm2 - skin.pocket_before_cm2);
             row(ui, error, tr("Skin gained beyond the pocket"), Some(drawn), 1, "cm²");
-            of(ui, outcome, bands, Quantity::AttachmentTractionKpa, 2);
+            if research::is_on(ui.ctx()) {
+                of(ui, outcome, bands, Quantity::AttachmentTractionKpa, 2);
+            }
         });
         remark(
             ui,
@@ -80,14 +83,17 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
     let error = position_error(outcome);
     group(ui, tr("Contact"), |ui| {
         rows(ui, |ui| {
-            for (quantity, decimals) in [
-                (Quantity::ForceN, 2),
-                (Quantity::MeanPressureKpa, 2),
-                (Quantity::MeanPressureMmhg, 1),
-                (Quantity::GreatestPressureKpa, 2),
-                (Quantity::GreatestPressureMmhg, 1),
+            let is_research = research::is_on(ui.ctx());
+            for (quantity, decimals, is_for_research) in [
+                (Quantity::ForceN, 2, true),
+                (Quantity::MeanPressureKpa, 2, true),
+                (Quantity::MeanPressureMmhg, 1, false),
+                (Quantity::GreatestPressureKpa, 2, true),
+                (Quantity::GreatestPressureMmhg, 1, false),
             ] {
-                of(ui, outcome, bands, quantity, decimals);
+                if is_research || !is_for_research {
+                    of(ui, outcome, bands, quantity, decimals);
+                }
             }
             row(ui, error, tr("Contact angle"), outcome.contact_angle_deg, 1, "°");
             row(
@@ -109,7 +115,7 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
 }
 
 fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
-    let error = position_error(outcome);
+    let (error, is_research) = (position_error(outcome), research::is_on(ui.ctx()));
     group(ui, tr("Tissue"), |ui| {
         rows(ui, |ui| {
             row(ui, error, tr("Stretch at the apex"), outcome.apex_stretch, 3, "×");
@@ -135,7 +141,8 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             if let Some(wrinkled) = outcome.wrinkled {
                 row(ui, error, tr("Skin wrinkled or slack"), Some(100.0 * wrinkled), 1, "%");
             }
-            for (k, layer) in outcome.layers.iter().enumerate() {
+            let layers = outcome.layers.iter().enumerate();
+            for (k, layer) in layers.filter(|_| is_research) {
                 let name = tr!("Greatest stress, {tissue}", tissue = texts::tissue(&layer.tissue));
                 row(ui, error, name, layer.max_stress_kpa, 1, "kPa");
                 if k == 0 {
@@ -143,11 +150,15 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                 }
             }
         });
-        remark(
-            ui,
-            tr("These stresses are for biaxial stretch, as over a dome. They are higher than the \
-             curve's at the same strain, because the curve is measured under uniaxial stretch."),
-        );
+        if is_research {
+            remark(
+                ui,
+                tr(
+                    "These stresses are for biaxial stretch, as over a dome. They are higher than the \
+             curve's at the same strain, because the curve is measured under uniaxial stretch.",
+                ),
+            );
+        }
     });
 }
 

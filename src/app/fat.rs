@@ -1,6 +1,7 @@
 //! The fat of the plan as a choice: the range of the measurements, or the fat of the paper.
 
 use super::plan::{Hand, chip, chips};
+use super::research;
 use super::texts::tr;
 use super::widgets::{group, remark};
 use crate::curve::{CurveSpec, Fat};
@@ -65,6 +66,9 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
         chips(ui, |ui| {
             for (name, fat, tooltip) in CHOICES {
                 let is_chosen = layers(scene).all(|layer| is_of(layer, fat));
+                if fat.is_none() && !is_chosen && !research::is_on(ui.ctx()) {
+                    continue;
+                }
                 if chip(ui, hand, is_chosen, tr(name), tr(tooltip)) {
                     choose(scene, fat);
                 }

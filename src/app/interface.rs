@@ -14,6 +14,9 @@ use crate::scene::pins::{pins_from_json, pins_json};
 use crate::session::{Pin, Session};
 use web_time::{Duration, Instant};
 
+/// Stored text of a switch that is on.
+const ON: &str = "on";
+
 impl App {
     /// Figures of the running app.
     #[must_use]
@@ -104,6 +107,17 @@ impl App {
     pub fn take_language_to_store(&mut self) -> Option<String> {
         let is_due = std::mem::take(&mut self.keep.is_language_due);
         is_due.then(|| language().subtag().to_owned())
+    }
+
+    /// Sets the switch "Research" from the text of [`Self::take_research_to_store`]; off without one.
+    pub fn restore_research(&mut self, kept: Option<&str>) {
+        self.shared.research = kept == Some(ON);
+    }
+
+    /// The switch "Research" as text for the storage, once after each change.
+    pub fn take_research_to_store(&mut self) -> Option<String> {
+        let is_due = std::mem::take(&mut self.keep.is_research_due);
+        is_due.then(|| if self.shared.research { ON } else { "off" }.to_owned())
     }
 
     /// The subtag of the present language, as "es".

@@ -7,7 +7,7 @@ use super::shared::{LONG, RunningSolve, Shared};
 use super::status::SliceOf;
 use super::texts::{self, tr};
 use super::widgets::note_cancelled_press;
-use super::{App, Panels, commands, keys, opened, plan, theme, toolbar};
+use super::{App, Panels, commands, keys, opened, plan, research, theme, toolbar};
 use crate::measure::no_shape;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError};
@@ -32,8 +32,6 @@ pub(super) struct Edits {
     is_scene_replaced: bool,
     /// Has this frame solved for a slice?
     has_solved: bool,
-    /// Was the slider of the insertion moved in the previous frame? The slice then waits for the slider.
-    pub(super) is_inserting: bool,
     /// Was the plan edited since the start? Then the hint is gone.
     pub(super) is_edited: bool,
     /// Was drawing suspended since the previous frame?
@@ -71,6 +69,7 @@ impl App {
         self.poll_files(&ctx);
         self.focus.begin_frame(&ctx);
         self.shared.choices.device.note(&ctx);
+        research::note(&ctx, self.shared.research);
         if ctx.input(|input| input.pointer.any_pressed()) {
             self.edits.press = Press { choices: self.shared.choices, is_cancelled: false };
         }
@@ -80,7 +79,7 @@ impl App {
         if scene != *self.shared.session.scene() {
             scene.clone_from(self.shared.session.scene());
         }
-        (self.edits.is_scene_replaced, self.edits.has_solved) = (false, false);
+        self.edits.is_scene_replaced = false;
         self.advance_playback(&ctx);
         self.poll_studies(&ctx);
         // A smaller window shows the upper left part: no control has room in less.
@@ -125,10 +124,8 @@ impl App {
         self.submit_edits(ctx, scene);
         // An edit clears the previous notice, so a notice about this edit is stored after it.
         self.notice = self.edits.position_notice.take().or(self.notice.take());
-        if !self.edits.has_solved {
-            self.edits.has_solved = self.is_solving();
-            self.solve_slice(ctx);
-        }
+        self.edits.has_solved = self.is_solving();
+        self.solve_slice(ctx);
         if scene != self.shared.session.scene() {
             scene.clone_from(self.shared.session.scene());
         }

@@ -9,7 +9,7 @@
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it, `insertion` plays the push of the implant into its place.
-//! `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `opened` finds the plan in a file; `controls` finds controls by
+//! `research` is the switch of what a surgeon never needs; `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `opened` finds the plan in a file; `controls` finds controls by
 //! name for scripts; `clipboard` reads a pasted table.
 //!
 //! Uses all modules to its left. Used by `platform`.
@@ -47,6 +47,7 @@ mod plan;
 mod plots;
 mod range;
 mod report;
+mod research;
 mod shared;
 mod shelf_largest;
 mod stability;
@@ -151,6 +152,7 @@ impl App {
                 timing: Timing::default(),
                 solving: None,
                 show_strip: true,
+                research: false,
                 page_address: None,
             },
             actions: Vec::new(),

@@ -3,7 +3,7 @@
 //! Uses `action`, `commands`, `shared`, `theme`, `widgets`. Used by `logic`, `perform`.
 
 use super::action::Action;
-use super::commands::{COMMANDS, Entry, LIST_KEY, refusal, why_not};
+use super::commands::{COMMANDS, Entry, LIST_KEY, is_hidden, refusal, why_not};
 use super::device::Device;
 use super::shared::Shared;
 use super::texts::tr;
@@ -101,7 +101,8 @@ impl Palette {
                 ui.set_width(width);
                 self.search_field(ui);
                 // What a slow frame has typed counts before its Enter key.
-                let found = found(&self.text, shared.choices.device);
+                let mut found = found(&self.text, shared.choices.device);
+                found.retain(|entry| !is_hidden(shared, entry.task));
                 let (most, chosen) = (found.len().saturating_sub(1), &mut self.chosen);
                 *chosen = chosen.saturating_add_signed(keys.steps).min(most);
                 picked = found.get(*chosen).copied().filter(|_| keys.is_entered);

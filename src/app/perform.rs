@@ -58,7 +58,8 @@ impl App {
         if why_not(&self.shared, task).is_some() {
             return;
         }
-        let Shared { session, options, viewport, show_strip, choices, .. } = &mut self.shared;
+        let Shared { session, options, viewport, show_strip, research, choices, .. } =
+            &mut self.shared;
         let Windows { palette, show_help, .. } = &mut self.windows;
         match task {
             Task::OpenPlan => self.files.open(ctx),
@@ -109,6 +110,10 @@ impl App {
             Task::Ruler => {
                 self.panels.range.is_open = false;
                 viewport.toggle_ruler();
+            }
+            Task::Research => {
+                *research = !*research;
+                self.keep.is_research_due = true;
             }
             Task::Play => self.toggle_playback(),
             Task::ShowRange(is_open) => self.panels.range.is_open = is_open,

@@ -37,6 +37,8 @@ pub(super) struct Shared {
     pub(super) solving: Option<RunningSolve>,
     /// Is the cross-section shown under the picture where there is room?
     pub(super) show_strip: bool,
+    /// Is the switch "Research" on?
+    pub(super) research: bool,
     /// Address of the page without its fragment; `None` on the desktop.
     pub(super) page_address: Option<String>,
 }

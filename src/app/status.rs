@@ -193,18 +193,25 @@ pub(super) fn show(
     ui.label(text).on_hover_text(details);
 }
 
-/// The model and the accuracy of a scene in a few words.
-pub(super) fn model(scene: &Scene) -> String {
+/// The model and the accuracy of a scene in a few words; without `is_research` what differs from the usual ones.
+pub(super) fn model(scene: &Scene, is_research: bool) -> String {
     let law = match (scene.springs, scene.is_layered()) {
         (Springs::Nikolaev, _) => tr("model of 2013"),
         (Springs::Coupled, true) => tr("standard model"),
         (Springs::Coupled, false) => tr("one sheet"),
     };
-    let accuracy = advanced::accuracy_name(scene).map_or_else(
+    let name = advanced::accuracy_name(scene);
+    let accuracy = name.map_or_else(
         || tr!("{nodes} nodes per side", nodes = scene.solver.nodes_per_side),
         |name| tr!("{accuracy} accuracy", accuracy = name.to_lowercase()),
     );
-    format!("{law}, {accuracy}")
+    let is_usual = [
+        scene.springs == Springs::Coupled && scene.is_layered(),
+        advanced::has_usual_accuracy(scene),
+    ];
+    let words = [law.to_owned(), accuracy].into_iter().zip(is_usual);
+    let words = words.filter(|(_, is_usual)| is_research || !is_usual).map(|(words, _)| words);
+    words.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

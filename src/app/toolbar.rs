@@ -93,6 +93,7 @@ pub(super) fn view_menu(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &
         menu_item(ui, shared, Task::Torso, actions);
         menu_item(ui, shared, Task::Ruler, actions);
         ui.separator();
+        menu_item(ui, shared, Task::Research, actions);
         menu_item(ui, shared, Task::List, actions);
     });
 }
@@ -120,7 +121,10 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
             for (name, file, formats, bodies) in SHAPES {
                 let name = device.words(tr(name));
                 ui.label(&name);
-                for format in formats {
+                let is_shown = |format: &&Format| {
+                    shared.research || matches!(format, Format::Stl | Format::Glb)
+                };
+                for format in formats.iter().filter(is_shown) {
                     let extension = format.extension();
                     let button = ui.button(extension.to_uppercase());
                     let label =

@@ -83,21 +83,17 @@ impl App {
             });
         });
         self.count_gesture(ui.ctx());
-        if !self.edits.is_inserting {
-            self.take_edits(ui.ctx(), scene);
-        }
+        self.take_edits(ui.ctx(), scene);
         let right = side_panel(egui::Panel::right("answer"), answer).show(ui, |ui| {
             column("answer").show(ui, |ui| {
                 self.answer(ui, Layout::Wide);
                 self.focus.scroll_into_view(ui);
             });
         });
-        let below = egui::Panel::bottom("insertion").resizable(false);
-        below.show(ui, |ui| {
-            self.insertion_row(ui, scene);
-            self.headline(ui);
-        });
-        self.take_edits(ui.ctx(), scene);
+        if self.shared.research {
+            let below = egui::Panel::bottom("headline").resizable(false);
+            below.show(ui, |ui| self.headline(ui));
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| self.central(ui, scene, Layout::Wide));
         self.screen.panel_widths.drag(ui, left.response.rect, right.response.rect);
     }
@@ -141,12 +137,17 @@ impl App {
         plan::pocket(ui, scene, Hand::Mouse);
         self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
         ui.add_space(theme::SPACE);
-        self.advanced(ui, scene, Hand::Mouse);
+        self.tissue(ui, scene, Hand::Mouse);
+        advanced::show(ui, scene, &self.shared.session, Hand::Mouse);
     }
 
-    /// The folded part of the plan, which opens the window of a curve.
-    fn advanced(&mut self, ui: &mut Ui, scene: &mut Scene, hand: Hand) {
-        if let Some(layer) = advanced::show(ui, scene, &self.shared.session, hand) {
+    /// The fold of the tissue with its push, which opens the window of a curve.
+    fn tissue(&mut self, ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+        let Self { insertion, actions, .. } = self;
+        let push = |ui: &mut Ui, scene: &mut Scene| {
+            insertion_rows(ui, scene, insertion.is_playing(), actions);
+        };
+        if let Some(layer) = advanced::tissue(ui, scene, hand, push) {
             self.windows.curve_window = CurveWindow::new(scene, layer);
         }
     }
@@ -172,16 +173,18 @@ impl App {
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
                 self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
-                self.insertion_row(ui, scene);
             }
-            NarrowTab::Patient => self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger),
+            NarrowTab::Patient => {
+                self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger);
+                self.tissue(ui, scene, Hand::Finger);
+            }
             NarrowTab::Pocket => {
                 plan::pocket(ui, scene, Hand::Finger);
                 self.edits.position_notice = plan::position(ui, scene, Hand::Finger);
             }
             NarrowTab::More => {
                 self.answer(ui, Layout::Narrow);
-                self.advanced(ui, scene, Hand::Finger);
+                advanced::show(ui, scene, &self.shared.session, Hand::Finger);
             }
         }
     }
@@ -227,7 +230,9 @@ impl App {
             if !self.has_strip(ui.ctx(), layout) {
                 plots::section(ui, &shared.session, &shared.compare, band);
             }
-            plots::curves(ui, &shared.session, previous);
+            if shared.research {
+                plots::curves(ui, &shared.session, previous);
+            }
         });
     }
 
@@ -253,7 +258,7 @@ impl App {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| match layout {
                 Layout::Narrow => disclaimer(ui, layout),
                 Layout::Wide => {
-                    let text = status::model(shared.session.scene());
+                    let text = status::model(shared.session.scene(), shared.research);
                     ui.label(RichText::new(text).color(ui.visuals().weak_text_color()));
                 }
             });
@@ -272,28 +277,10 @@ impl App {
         let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
         let height = lines * ui.text_style_height(&egui::TextStyle::Body);
         let height = height.max(ui.spacing().interact_size.y);
+        ui.add_space(theme::SPACE_SMALL);
         ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
             ui.set_min_height(height);
             ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
-        });
-        ui.add_space(theme::SPACE_SMALL);
-    }
-
-    /// The slider of the insertion with its play button.
-    fn insertion_row(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        ui.add_space(theme::SPACE_SMALL);
-        ui.horizontal(|ui| {
-            let name = if self.insertion.is_playing() { tr("Pause") } else { tr("Show insertion") };
-            let button = ui.add_sized([108.0, 24.0], egui::Button::new(name));
-            if button.on_hover_text(tr!("{name} (space)", name)).clicked() {
-                self.actions.push(Action::Run(Task::Play));
-            }
-            let (slider, mut percent) = plan::insertion(scene);
-            self.edits.is_inserting =
-                slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed;
-            if self.edits.is_inserting {
-                plan::set_insertion(scene, percent);
-            }
         });
         ui.add_space(theme::SPACE_SMALL);
     }
@@ -419,6 +406,18 @@ impl App {
             self.actions.extend(kept.map(Action::KeepValues));
         }
         self.show_notice(ui, area);
+    }
+}
+
+/// The button that plays the insertion, and the insertion's slider.
+fn insertion_rows(ui: &mut Ui, scene: &mut Scene, is_playing: bool, actions: &mut Vec<Action>) {
+    let name = if is_playing { tr("Pause") } else { tr("Show insertion") };
+    if ui.button(name).on_hover_text(tr!("{name} (space)", name)).clicked() {
+        actions.push(Action::Run(Task::Play));
+    }
+    let (slider, mut percent) = plan::insertion(scene);
+    if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
+        plan::set_insertion(scene, percent);
     }
 }
 

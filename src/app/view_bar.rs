@@ -1,11 +1,12 @@
 //! The controls of the picture, on the picture: standard views, cut, grid, colours.
 
 use super::action::{Action, Task};
-use super::commands::{entry_of, is_on, item};
+use super::commands::{entry_of, is_hidden, is_on, item};
 use super::shared::Shared;
 use super::texts::{self, tr};
 use super::theme;
 use super::toolbar::{Layout, view_menu};
+use super::viewport::Options;
 use super::widgets::{Kind, NumberField, choice, set_accessible_name};
 use crate::view::camera::View;
 use crate::view::color::Quantity;
@@ -13,6 +14,10 @@ use eframe::egui::{self, Rect, Ui, UiBuilder};
 
 /// How the tissue is cut open: cut; in half. The names are those of the commands.
 const CUTS: [(bool, bool); 3] = [(false, false), (true, false), (true, true)];
+
+/// The colours without "Research".
+const OFTEN: [Quantity; 4] =
+    [Quantity::Tissue, Quantity::Strain, Quantity::Cover, Quantity::Pressure];
 
 /// Shows the controls over the top of the picture's area. Returns their height \[points\].
 pub(super) fn show(
@@ -33,6 +38,9 @@ pub(super) fn show(
         }
         cut_box(ui, layout, shared, actions);
         for switch in [Task::Grid, Task::Areola] {
+            if is_hidden(shared, switch) {
+                continue;
+            }
             let (entry, is_on) = (entry_of(switch), is_on(shared, switch) == Some(true));
             let button = egui::Button::selectable(is_on, tr(entry.name)).frame_when_inactive(true);
             if ui.add(button).on_hover_text(tr(entry.tooltip)).clicked() {
@@ -65,7 +73,9 @@ fn cut_box(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Actio
         .response;
     set_accessible_name(&response, egui::Role::ComboBox, tr("Cut"));
     response.on_hover_text(tr("Cut the tissue open to show its layers"));
-    if layout == Layout::Narrow {
+    let usual = Options::default().section_azimuth_deg;
+    let is_turned = options.section_azimuth_deg.to_bits() != usual.to_bits();
+    if layout == Layout::Narrow || !(shared.research || is_turned) {
         return;
     }
     // Always present, so that nothing moves; without a cut the direction waits for one.
@@ -138,7 +148,10 @@ fn quantity_box(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
         .truncate()
         .selected_text(name(present))
         .show_ui(ui, |ui| {
-            for quantity in choices {
+            let is_shown = |quantity: &Quantity| {
+                shared.research || *quantity == present || OFTEN.contains(quantity)
+            };
+            for quantity in choices.into_iter().filter(is_shown) {
                 if choice(ui, present == quantity, name(quantity)).clicked() {
                     actions.push(Action::ColourBy(quantity));
                 }

@@ -1,4 +1,4 @@
-//! Plan, pins, shelf and language from one start to the next, in the store of a platform.
+//! Plan, pins, shelf and preferences from one start to the next, in the store of a platform.
 
 use crate::app::App;
 
@@ -9,6 +9,7 @@ pub(super) trait Store {
     const PINS: &'static str;
     const SHELF: &'static str;
     const LANGUAGE: &'static str;
+    const RESEARCH: &'static str;
     /// Why the store failed.
     type Error;
 
@@ -19,9 +20,11 @@ pub(super) trait Store {
     fn write(&self, name: &str, text: &str) -> Result<(), Self::Error>;
 }
 
-/// Reads the kept language into a new app: the texts of later notices are in this language.
-pub(super) fn restore_language<S: Store>(app: &mut App, store: &S) {
-    app.restore_language(store.read(S::LANGUAGE).ok().flatten().as_deref());
+/// Reads the kept preferences into a new app: the texts of later notices are in the kept language.
+pub(super) fn restore_preferences<S: Store>(app: &mut App, store: &S) {
+    let kept = |name| store.read(name).ok().flatten();
+    app.restore_language(kept(S::LANGUAGE).as_deref());
+    app.restore_research(kept(S::RESEARCH).as_deref());
 }
 
 /// Reads the kept plan, pins and shelf into a new app.
@@ -46,6 +49,7 @@ pub(super) fn keep<S: Store>(app: &mut App, store: &S, is_closing: bool) {
         (S::PINS, app.take_pins_to_store(is_closing)),
         (S::SHELF, app.take_shelf_to_store(is_closing)),
         (S::LANGUAGE, app.take_language_to_store()),
+        (S::RESEARCH, app.take_research_to_store()),
     ] {
         if text.is_some_and(|text| store.write(name, &text).is_err()) {
             app.report_storage_failure();

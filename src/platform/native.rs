@@ -53,7 +53,7 @@ struct Window {
 
 impl Window {
     fn new(mut app: App, store: Folder) -> Self {
-        keep::restore_language(&mut app, &store);
+        keep::restore_preferences(&mut app, &store);
         keep::restore(&mut app, &store);
         Self { app, store }
     }
@@ -90,6 +90,7 @@ impl Store for Folder {
     const PINS: &'static str = "pins.json";
     const SHELF: &'static str = "shelf.csv";
     const LANGUAGE: &'static str = "language.txt";
+    const RESEARCH: &'static str = "research.txt";
     type Error = io::Error;
 
     fn read(&self, name: &str) -> io::Result<Option<String>> {

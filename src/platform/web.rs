@@ -90,6 +90,7 @@ impl Store for Origin {
     const SHELF: &'static str = "implant-preview/shelf/1";
     /// `web/language.js` reads this text.
     const LANGUAGE: &'static str = "implant-preview/language/1";
+    const RESEARCH: &'static str = "implant-preview/research/1";
     type Error = JsValue;
 
     /// A missing storage is reported with the first change.
@@ -238,7 +239,7 @@ impl PageHost {
                 let scene = before.unwrap_or_else(Scene::opening);
                 let new = App::new(ctx, gl, scene, |wake| Box::new(Workers::new(move || wake())))?;
                 let new = app.insert(new);
-                keep::restore_language(new, &Origin);
+                keep::restore_preferences(new, &Origin);
                 new.enable_page_navigation();
                 if is_kept {
                     new.notify_restart();

@@ -88,6 +88,9 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await settled(page);
     const before = await solved(page);
     const insertion = () => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);
+    await harness.control(page, "Tissue");
+    await page.keyboard.press("Enter");
+    await settled(page);
     const rail = await harness.control(page, "In place (%)");
     // The handle is at the right end.
     const slider = { x: rail.x + rail.width - 7, y: rail.y + rail.height / 2 };
@@ -179,7 +182,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
       await settled(page);
     };
     const before = await page.evaluate(() => implantPreview.scene());
-    // The last control of its tab: the panel can be scrolled down only.
+    for (const name of ["Patient", "Tissue"]) {
+      await harness.control(page, name);
+      await page.keyboard.press("Enter");
+      await settled(page);
+    }
     let rail = await harness.control(page, "In place (%)");
     const beside = (at) => [at.x + 0.3 * at.width, at.y + at.height / 2];
     // Up and down on a slider, the panel scrolls; nothing else moves.

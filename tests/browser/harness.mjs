@@ -90,10 +90,11 @@ const flatPlan = () => {
   };
 };
 
-/** Options of a context in which the browser has kept the flat plan for the next start of the app. */
-export function withCoarsePlan(address) {
+/** Options of a context in which the browser has kept the flat plan, and the switch "Research" if on, for the next start of the app. */
+export function withCoarsePlan(address, isResearch = false) {
   const value = JSON.stringify({ scene: flatPlan(), choices: { device: "implant", follows: "projection" } });
   const localStorage = [{ name: "implant-preview/plan/1", value }];
+  if (isResearch) localStorage.push({ name: "implant-preview/research/1", value: "on" });
   return { storageState: { cookies: [], origins: [{ origin: new URL(address).origin, localStorage }] } };
 }
 
@@ -295,9 +296,12 @@ export async function settled(page) {
   throw new Error(`still drawing after ${frames} frames`);
 }
 
-/** Opens the app and waits until its scene is solved. `isOpening`: with its opening plan, not with the flat one on a coarse grid. */
-export async function openApp(browser, site, { isOpening = false, options, ...others } = {}) {
-  const plan = isOpening ? {} : withCoarsePlan(site.address);
+/**
+ * Opens the app and waits until its scene is solved. `isOpening`: with its opening plan, not with the flat one on a coarse grid;
+ * `isResearch`: with the switch "Research" on.
+ */
+export async function openApp(browser, site, { isOpening = false, isResearch = false, options, ...others } = {}) {
+  const plan = isOpening ? {} : withCoarsePlan(site.address, isResearch);
   const opened = await openPage(browser, site.address, { ...others, options: { ...plan, ...options } });
   await opened.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
   await opened.page.locator("#loading").waitFor({ state: "detached" });

@@ -25,7 +25,7 @@ async function hasRing(page, { x, y, width, height }) {
 
 describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
   test("goes through every control both ways, with a ring that is seen, and leaves the app at both ends", async () => {
-    const { page, finish } = await openApp();
+    const { page, finish } = await openApp({ isResearch: true });
     const walk = async (back) => {
       const names = [];
       await harness.tab(page, { back });
@@ -62,11 +62,10 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
       "Margin (cm)",
       "Position of the implant",
       "To the side (cm)",
+      "Tissue",
       "Advanced",
       "Where limits come from",
       "Details",
-      "Show insertion",
-      "In place (%)",
       "Front",
       "Cut",
       "Direction of the cut",
@@ -169,7 +168,7 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
 
 describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
   test("is saved with the scene that it is of, and there is none while that is solved", async () => {
-    const { page, finish } = await openApp();
+    const { page, finish } = await openApp({ isResearch: true });
     const seen = await page.evaluate(() => {
       const wide = JSON.parse(implantPreview.scene());
       wide.pocket_radius_mm = 178;

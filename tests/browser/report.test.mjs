@@ -278,7 +278,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await paper.close();
 
     // Neither in numbers nor in a link, nor in what the browser keeps.
-    const numbers = await save(page, "Save numbers (JSON)…");
+    const numbers = await save(page, "Save numbers (CSV)…");
     assert.doesNotMatch(numbers.bytes.toString(), /K\. M\.|"visit"/);
     await choose(page, "Copy link");
     await page.keyboard.press("Enter");
@@ -296,7 +296,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
   });
 
   test("is a mesh of the tissue, of the skin and of the implant, and a profile", async () => {
-    const { page, finish } = await fixture.openApp();
+    const { page, finish } = await fixture.openApp({ isResearch: true });
     const volumes = {};
     for (const [what, formats] of [["Implant", ["STL", "OBJ", "PLY", "GLB"]], ["Tissue", ["STL", "GLB"]], ["Skin", ["PLY"]]]) {
       for (const format of formats) {

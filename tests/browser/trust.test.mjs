@@ -166,7 +166,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
   };
 
   test("gives back the same picture: scene, history, camera, colours, panels; nothing is solved anew", async () => {
-    const { page, finish } = await openApp({ isPlain: false });
+    const { page, finish } = await openApp({ isPlain: false, isResearch: true });
     const seen = [await picture(page)];
     // Each of these must show in the picture, or the test would prove nothing.
     const change = async (name, act) => {
@@ -195,7 +195,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
       const { x, y, width, height } = await harness.control(page, name);
       await page.mouse.click(x + width / 2, y + height / 2);
     };
-    await change("what is folded", () => click("Advanced"));
+    await change("what is folded", () => click("Tissue"));
     await change("the grid", () => click("Grid"));
     const before = { scene: await sceneText(page), stats: await page.evaluate(() => implantPreview.stats()) };
     for (let times = 0; times < 2; times += 1) {

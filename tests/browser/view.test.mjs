@@ -18,7 +18,7 @@ async function picture(page) {
 
 describe("the camera", { timeout: 6 * harness.PATIENCE }, () => {
   test("arrives at a view after one click, while the pointer stays on the button over the picture", async () => {
-    const { page, finish } = await fixture.openApp();
+    const { page, finish } = await fixture.openApp({ isResearch: true });
     const opening = await picture(page);
     for (const view of ["Front", "Side", "Top", "All"]) {
       const { x, y, width, height } = await harness.control(page, view);

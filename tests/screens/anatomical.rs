@@ -86,7 +86,7 @@ fn an_anatomical_implant_has_a_height_and_an_apex_and_a_round_one_loses_both() {
 
 #[test]
 fn headline_and_summary_name_the_height() {
-    let mut harness = app(DESKTOP, coarse);
+    let mut harness = researching(DESKTOP, coarse);
     choose(&mut harness, "anatomical");
     let summary = harness.state().summary();
     assert!(summary.starts_with("300 ml implant, 12 × 10.8 cm wide and high."), "{summary}");

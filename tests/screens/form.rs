@@ -12,6 +12,7 @@ fn text(harness: &Harness<'static, App>, name: &str) -> String {
 #[test]
 fn a_field_is_one_step_of_the_history_and_has_the_text_of_its_control() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
     let before = harness.state().session().scene().clone();
     for (name, value, control) in [
         ("width_cm", "13", "Width (cm)"),
@@ -44,6 +45,7 @@ fn a_refused_or_an_equal_field_is_no_step() {
 #[test]
 fn another_plan_ends_the_push() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
     harness.get_by_role_and_label(Role::Button, "Show insertion").click();
     harness.step();
     harness.step();

@@ -1,6 +1,8 @@
 //! Hands on the picture: cross-section in sight, values at a point, ruler, handles of the implant, commands by their names.
 
-use super::{DESKTOP, PHONE, app, flat_plan, focus_picture, press, settle, type_into, unfold};
+use super::{
+    DESKTOP, PHONE, app, flat_plan, focus_picture, press, researching, settle, type_into, unfold,
+};
 use eframe::egui::{self, Key, Modifiers, Pos2, Role, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -121,7 +123,7 @@ fn without_room_the_cross_section_is_among_the_details() {
 
 #[test]
 fn the_pointer_reads_every_layer_and_a_click_keeps_the_values() {
-    let mut harness = desktop();
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     let at = on_skin(&harness);
     harness.hover_at(at);
     harness.run();
@@ -328,7 +330,7 @@ fn a_command_is_found_by_typing_and_executed_by_enter() {
 
 #[test]
 fn arrows_choose_a_command_and_escape_closes_the_list() {
-    let mut harness = desktop();
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     let grid = |harness: &Screen| {
         harness.get_by_role_and_label(Role::Button, "Grid").accesskit_node().toggled()
     };

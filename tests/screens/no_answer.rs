@@ -76,7 +76,7 @@ fn a_plan_without_an_answer_offers_the_nearest_plan_with_one() {
 
 #[test]
 fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
-    let mut harness = app(DESKTOP, |scene| {
+    let mut harness = researching(DESKTOP, |scene| {
         *scene = flat_plan();
         scene.implant.projection_mm = 119.0;
     });
@@ -229,9 +229,9 @@ fn chosen(harness: &Harness<'static, App>) -> Vec<&'static str> {
 
 #[test]
 fn the_fat_is_chosen_among_what_was_measured_and_the_papers() {
-    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    let mut harness = researching(WIDE, |scene| *scene = flat_plan());
     let opening = harness.state().session().scene().clone();
-    unfold(&mut harness, "Advanced");
+    unfold(&mut harness, "Tissue");
     assert_eq!(chosen(&harness), ["Usual"]);
     for (name, curve, poisson_ratio) in [
         ("Soft", CurveSpec::Fat { variant: Fat::Low }, 0.49),
@@ -265,7 +265,7 @@ fn the_fat_is_chosen_among_what_was_measured_and_the_papers() {
 #[test]
 fn the_curve_of_the_fat_is_plotted_measured_and_extrapolated() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
-    unfold(&mut harness, "Advanced");
+    unfold(&mut harness, "Tissue");
     let plot = |end: u32| {
         format!("Curve of fat. Solid: measured, to {end} % strain. Dashed: extrapolated.")
     };

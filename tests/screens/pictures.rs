@@ -89,7 +89,7 @@ fn the_cross_section_keeps_its_scale_from_plan_to_plan() {
 
 #[test]
 fn without_a_cut_its_direction_waits() {
-    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     let is_able = |harness: &Harness<'static, App>| {
         let field = harness.get_by_role_and_label(Role::SpinButton, "Direction of the cut");
         !field.accesskit_node().is_disabled()
@@ -120,6 +120,7 @@ fn height(harness: &Harness<'static, App>) -> f32 {
 #[test]
 fn the_push_is_watched_unfaded_and_changes_neither_plan_nor_answer() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
     let (scene, whole) = (harness.state().session().scene().clone(), height(&harness));
     let solves = harness.state().session().counters().solves;
     let answer = |harness: &Harness<'static, App>| {
@@ -160,6 +161,7 @@ fn the_field_of_the_insertion_has_whole_percent() {
         *scene = flat_plan();
         scene.insertion = 0.77336;
     });
+    unfold(&mut harness, "Tissue");
     let field = harness.get_by_role_and_label(Role::SpinButton, "In place (%)");
     assert_eq!(field.value().as_deref(), Some("77"));
     harness.run();

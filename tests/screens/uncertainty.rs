@@ -12,7 +12,7 @@ const FIGURES: [Quantity; 2] = [Quantity::GreatestStrain, Quantity::GreatestPres
 
 /// A sheet with few samples, all of them solved.
 fn sampled(size: egui::Vec2) -> Harness<'static, App> {
-    let mut harness = app(size, |scene| {
+    let mut harness = researching(size, |scene| {
         *scene = flat_plan();
         scene.set_tissue_model(TissueModel::Sheet);
     });
@@ -90,7 +90,7 @@ fn assert_cards(harness: &Harness<'static, App>, bands: &[Band]) {
 /// patients of each word are counted beside them.
 #[test]
 fn the_verdict_is_that_of_the_plan_with_and_without_bands() {
-    let mut harness = app(WIDE, |scene| {
+    let mut harness = researching(WIDE, |scene| {
         *scene = flat_plan();
         scene.set_tissue_model(TissueModel::Sheet);
         scene.implant.projection_mm = 45.0;

@@ -26,6 +26,8 @@ pub(in crate::app) struct Keep {
     pub(in crate::app) has_failed: bool,
     /// Is the chosen language to be stored?
     pub(in crate::app) is_language_due: bool,
+    /// Is the switch "Research" to be stored?
+    pub(in crate::app) is_research_due: bool,
 }
 
 impl Keep {
@@ -41,6 +43,7 @@ impl Keep {
             shelf_due: None,
             has_failed: false,
             is_language_due: false,
+            is_research_due: false,
         }
     }
 }

@@ -85,6 +85,11 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     fields
 }
 
+/// The choices of a form: the dimension that follows rules.
+fn without_last(choices: &Choices) -> Choices {
+    Choices { last: None, ..*choices }
+}
+
 /// Has the plan a choice between round and anatomical? An expander and older plans have none.
 fn has_shape(scene: &Scene, choices: &Choices) -> bool {
     choices.device == Device::Implant && scene.may_be_anatomical()
@@ -206,7 +211,7 @@ impl Number {
             Self::Size(Dimension::Projection) if choices.device == Device::Expander => return None,
             Self::Size(dimension) => {
                 let size = scene.implant.size().ok()?;
-                let control = implant::control_of(size, dimension, choices.follows);
+                let control = implant::control_of(size, dimension, &without_last(choices));
                 (control, implant::value(size, dimension))
             }
             Self::Height | Self::Apex if choices.device == Device::Expander => return None,
@@ -224,6 +229,7 @@ impl Number {
     fn set(self, scene: &mut Scene, choices: &mut Choices, value: f64) {
         match self {
             Self::Size(dimension) => {
+                *choices = without_last(choices);
                 let size = scene.implant.size().ok();
                 let size = size.and_then(|size| implant::resized(size, choices, dimension, value));
                 if let Some(size) = size {

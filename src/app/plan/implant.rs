@@ -2,9 +2,9 @@
 
 use super::{Choices, Device, Hand, chip, chips, cm, mm, row, shape, title};
 use crate::app::texts::{localized, tr};
-use crate::app::theme;
 use crate::app::volume_marks::VolumeMarks;
 use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
+use crate::app::{research, theme};
 use crate::clinical::{Dimension, ProfileClass, Size, limits};
 use crate::scene::{Field, Scene};
 use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, vec2};
@@ -14,7 +14,7 @@ use std::ops::RangeInclusive;
 const MARK: f32 = 24.0;
 /// Width from which on there is room for a title beside the devices \[points\].
 const DEVICES_WIDTH: f32 = 290.0;
-const VOLUME_TOOLTIP: &str = "Volume of the implant: width, projection and fullness (Advanced) give it. Round implants: 95–965 ml. 1 ml = 1 cc.";
+const VOLUME_TOOLTIP: &str = "Volume of the implant: width, projection and fullness give it. Round implants: 95–965 ml. 1 ml = 1 cc.";
 
 /// Shows the implant, with the marks of its volumes on a slider and the largest volume that stays usual.
 pub(in crate::app) fn implant(
@@ -83,7 +83,7 @@ fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
             if choices.device != device {
                 choices.follows = Dimension::Projection;
             }
-            choices.device = device;
+            (choices.device, choices.last) = (device, None);
             shape::set_anatomical(scene, choices, becomes_anatomical);
             if device == Device::Expander {
                 shape::make_half_ellipsoid(scene);
@@ -102,6 +102,11 @@ fn implant_rows(
     hand: Hand,
 ) -> Option<Size> {
     let mut changed = None;
+    let has_locks = research::is_on(ui.ctx());
+    if has_locks {
+        choices.last = None;
+    }
+    let mark_width = if has_locks { MARK } else { 0.0 };
     // The marks are those of the present width.
     let is_marked = choices.follows != Dimension::BaseWidth;
     let volume_tooltip = format!("{}{}", tr(VOLUME_TOOLTIP), marks.words());
@@ -110,7 +115,7 @@ fn implant_rows(
         let before = value(size, dimension);
         let mut now = before;
         let mut mark = false;
-        let mut control = control_of(size, dimension, choices.follows);
+        let mut control = control_of(size, dimension, choices);
         if dimension == Dimension::Volume && is_marked {
             control.marks = marks.ends();
             control.tooltip = &volume_tooltip;
@@ -120,8 +125,8 @@ fn implant_rows(
             hand,
             control,
             &mut now,
-            (MARK, |ui: &mut Ui| {
-                mark = follow_mark(ui, dimension, is_following, hand);
+            (mark_width, |ui: &mut Ui| {
+                mark = has_locks && follow_mark(ui, dimension, is_following, hand);
             }),
         );
         if mark {
@@ -129,16 +134,20 @@ fn implant_rows(
         }
         if response.is_changed {
             changed = resized(size, choices, dimension, now).or(changed);
+            choices.last = Some(dimension).filter(|_| !has_locks);
         }
         if dimension == Dimension::BaseWidth {
-            shape::height_row(ui, scene, choices, hand, MARK);
+            shape::height_row(ui, scene, choices, hand, mark_width);
         }
     }
-    shape::apex_row(ui, scene, hand, MARK);
+    shape::apex_row(ui, scene, hand, mark_width);
     chips(ui, |ui| {
         for class in ProfileClass::ALL {
             let tooltip = tr("Projection for this width, in the middle of the class");
             let is_chosen = size.profile() == class && !size.is_beyond_half_sphere();
+            if class == ProfileClass::HalfSphere && !has_locks && !is_chosen {
+                continue;
+            }
             if chip(ui, hand, is_chosen, name_of(class), tooltip) {
                 let radius = 0.5 * size.base_width_mm();
                 // A half sphere is exact; other profiles are whole millimetres.
@@ -149,7 +158,7 @@ fn implant_rows(
                 let dimension = Dimension::Projection;
                 changed =
                     size.changed(dimension, projection, Dimension::BaseWidth).ok().or(changed);
-                choices.follows = Dimension::Volume;
+                (choices.follows, choices.last) = (Dimension::Volume, None);
             }
         }
     });
@@ -181,7 +190,7 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
     let mut width = cm(size.base_width_mm());
     let control = Control {
         tooltip: tr("Width of the expander's base, which the pocket holds."),
-        ..control_of(size, Dimension::BaseWidth, Dimension::Projection)
+        ..control_of(size, Dimension::BaseWidth, &Choices::default())
     };
     if row(ui, hand, control, &mut width, (MARK, none)).is_changed {
         changed = size.changed(Dimension::BaseWidth, mm(width), Dimension::Volume).ok();
@@ -190,7 +199,7 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
     let control = Control {
         label: tr("Fill"),
         tooltip: tr("Volume in the expander. The fill raises the dome over the base."),
-        ..control_of(size, Dimension::Volume, Dimension::Projection)
+        ..control_of(size, Dimension::Volume, &Choices::default())
     };
     if row(ui, hand, control, &mut fill, (MARK, none)).is_changed {
         changed = size.changed(Dimension::Volume, fill, Dimension::BaseWidth).ok().or(changed);
@@ -259,9 +268,9 @@ pub(super) fn value(size: Size, dimension: Dimension) -> f64 {
 }
 
 /// The control of a dimension.
-pub(super) fn control_of<'a>(size: Size, dimension: Dimension, follows: Dimension) -> Control<'a> {
-    let allowed = allowed(size, dimension, held(dimension, follows));
-    let is_following = dimension == follows;
+pub(super) fn control_of<'a>(size: Size, dimension: Dimension, choices: &Choices) -> Control<'a> {
+    let allowed = allowed(size, dimension, held(dimension, choices));
+    let is_following = dimension == choices.follows;
     let most_decimals = if is_following { 1 } else { 6 };
     match dimension {
         Dimension::BaseWidth => Control {
@@ -301,7 +310,7 @@ pub(super) fn resized(
     dimension: Dimension,
     value: f64,
 ) -> Option<Size> {
-    let held = held(dimension, choices.follows);
+    let held = held(dimension, choices);
     let given = if dimension == Dimension::Volume { value } else { mm(value) };
     let size = size.changed(dimension, given, held).ok()?;
     choices.follows = third(dimension, held);
@@ -313,7 +322,9 @@ pub(super) fn resized(
 pub(in crate::app) fn set_projection(scene: &mut Scene, choices: &mut Choices, mm: f64) -> bool {
     let Ok(size) = scene.implant.size() else { return false };
     let dimension = Dimension::Projection;
-    let allowed = allowed(size, dimension, held(dimension, choices.follows));
+    // A drag of the dome holds the width.
+    choices.last = None;
+    let allowed = allowed(size, dimension, held(dimension, choices));
     let value = cm(mm.round()).clamp(*allowed.start(), *allowed.end());
     let Some(size) = resized(size, choices, dimension, value) else { return false };
     let before = scene.implant;
@@ -325,8 +336,7 @@ pub(in crate::app) fn set_projection(scene: &mut Scene, choices: &mut Choices, m
 pub(in crate::app) fn projection_in_words(scene: &Scene, choices: &Choices) -> Vec<String> {
     let Ok(size) = scene.implant.size() else { return Vec::new() };
     let (cm, ml) = (size.projection_cm(), size.volume_ml());
-    let allowed =
-        allowed(size, Dimension::Projection, held(Dimension::Projection, choices.follows));
+    let allowed = allowed(size, Dimension::Projection, held(Dimension::Projection, choices));
     let is_at_end = cm <= allowed.start() + 1e-6 || cm >= allowed.end() - 1e-6;
     let limits = || {
         tr!(
@@ -340,13 +350,15 @@ pub(in crate::app) fn projection_in_words(scene: &Scene, choices: &Choices) -> V
 }
 
 /// The dimension that keeps its value while another one is changed. The one that follows may be changed too: then
-/// the width is held.
-fn held(changed: Dimension, follows: Dimension) -> Dimension {
+/// the width is held. Without locks the last two dimensions that were changed are held.
+fn held(changed: Dimension, choices: &Choices) -> Dimension {
     use Dimension::{BaseWidth, Projection, Volume};
-    match (changed, follows) {
-        (BaseWidth, Volume) | (Volume, BaseWidth) => Projection,
-        (Projection, BaseWidth) | (BaseWidth, _) => Volume,
-        (Volume | Projection, _) => BaseWidth,
+    match (changed, choices.follows, choices.last) {
+        (_, follows, Some(last)) if last == changed => third(changed, follows),
+        (_, _, Some(last)) => last,
+        (BaseWidth, Volume, None) | (Volume, BaseWidth, None) => Projection,
+        (Projection, BaseWidth, None) | (BaseWidth, _, None) => Volume,
+        (Volume | Projection, _, None) => BaseWidth,
     }
 }
 
@@ -412,11 +424,19 @@ mod tests {
         let all = [Dimension::BaseWidth, Dimension::Volume, Dimension::Projection];
         for changed in all {
             for follows in all {
-                let held = held(changed, follows);
+                let choices = |last| Choices { follows, last, ..Choices::default() };
+                let held = held(changed, &choices(None));
                 assert_ne!(held, changed);
                 assert!(held != follows || changed == follows, "{changed:?} {follows:?}");
                 if changed != follows {
                     assert_eq!(third(changed, held), follows);
+                    // The same one again, or the other one that is held.
+                    assert_eq!(super::held(changed, &choices(Some(changed))), held);
+                    assert_eq!(super::held(changed, &choices(Some(held))), held);
+                } else {
+                    for last in all.into_iter().filter(|last| *last != changed) {
+                        assert_eq!(super::held(changed, &choices(Some(last))), last);
+                    }
                 }
             }
         }

@@ -122,11 +122,14 @@ pub(super) struct Choices {
     pub(super) device: Device,
     /// The dimension that follows the other two.
     pub(super) follows: Dimension,
+    /// The dimension changed last, which stays beside the next one; `None`: [`Self::follows`] rules.
+    #[serde(skip)]
+    pub(super) last: Option<Dimension>,
 }
 
 impl Default for Choices {
     fn default() -> Self {
-        Self { device: Device::Implant, follows: Dimension::Projection }
+        Self { device: Device::Implant, follows: Dimension::Projection, last: None }
     }
 }
 

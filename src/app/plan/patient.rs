@@ -123,7 +123,7 @@ fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand)
     let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
     let is_pulled = measured.skin_pull_mm.is_some();
     let word =
-        if measured.skin_class.is_none() && !is_pulled { tr(" (set in Advanced)") } else { "" };
+        if measured.skin_class.is_none() && !is_pulled { tr(" (set under Tissue)") } else { "" };
     let about = tr!(
         "How far the skin stretches under a pull, as a factor of the preset's stretch: {scale:.2}. Tight: \
          pulled less than 2 cm; normal: 2–3 cm; lax: 3–4 cm; very lax: more than 4 cm. Within a factor 2 \

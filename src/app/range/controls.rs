@@ -4,6 +4,7 @@ use super::axes::{self, Words};
 use super::{FINENESS, Range, readout};
 use crate::app::commands::PICTURE;
 use crate::app::plan::{Hand, chip};
+use crate::app::research;
 use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::toolbar::Layout;
@@ -26,6 +27,8 @@ impl Range {
     /// The controls of the chart.
     pub(super) fn controls(&mut self, ui: &mut Ui, scene: &Scene, layout: Layout) -> Vec<String> {
         let mut rejections = Vec::new();
+        let is_research = research::is_on(ui.ctx());
+        let has_axes = is_research || !self.has_usual_axes();
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL + 2.0;
             if layout == Layout::Narrow && chip(ui, Hand::Mouse, false, tr(PICTURE), "") {
@@ -33,17 +36,21 @@ impl Range {
             }
             self.quantity_box(ui, scene, layout);
             if layout == Layout::Narrow {
-                let axes =
-                    Button::selectable(self.shows_axes, tr("Axes")).frame_when_inactive(true);
-                if ui.add(axes).clicked() {
-                    self.shows_axes = !self.shows_axes;
+                let name = if has_axes { tr("Axes") } else { tr("Shelf and files") };
+                let more = Button::selectable(self.shows_more, name).frame_when_inactive(true);
+                if ui.add(more).clicked() {
+                    self.shows_more = !self.shows_more;
                 }
-                if !self.shows_axes {
+                if !self.shows_more {
                     return;
                 }
             }
-            if self.up.is_some() {
+            if self.up.is_some() && (is_research || self.fineness != FINENESS[0].1) {
                 self.fineness_box(ui);
+            }
+            if !has_axes {
+                self.around_button(ui, scene);
+                return;
             }
             ui.end_row();
             self.field_box(ui, scene, true);
@@ -55,13 +62,17 @@ impl Range {
             if self.up.is_some() {
                 self.ends(ui, scene, false, &mut rejections);
             }
-            let is_able = !self.is_around(scene);
-            let tip = tr("Sizes 2 cm around the plan, usual values of other numbers");
-            if button_if(ui, is_able, tr(AROUND), tr(AROUND), tip) {
-                self.go_around(scene);
-            }
+            self.around_button(ui, scene);
         });
         rejections
+    }
+
+    fn around_button(&mut self, ui: &mut Ui, scene: &Scene) {
+        let is_able = !self.is_around(scene);
+        let tip = tr("Sizes 2 cm around the plan, usual values of other numbers");
+        if button_if(ui, is_able, tr(AROUND), tr(AROUND), tip) {
+            self.go_around(scene);
+        }
     }
 
     fn quantity_box(&mut self, ui: &mut Ui, scene: &Scene, layout: Layout) {

@@ -54,7 +54,7 @@ impl Range {
                 "Range of implants: {quantity}",
                 quantity = tr(self.quantity.title()).to_lowercase()
             ),
-            caption: self.caption_in_words(map, ""),
+            caption: self.caption_in_words(map, Some("")),
             accuracy: self.accuracy_in_words(map),
             chart: Chart::default(),
             range: self,

@@ -69,7 +69,7 @@ pub(super) struct Range {
     quantity: Quantity,
     fineness: usize,
     /// On a narrow screen: are the axes shown?
-    shows_axes: bool,
+    shows_more: bool,
     map: Driver<Map>,
     check: Driver<MapCheck>,
     /// Scene and axes of the present map.
@@ -97,7 +97,7 @@ impl Default for Range {
             is_fresh: true,
             quantity: Quantity::GreatestStrain,
             fineness: FINENESS[0].1,
-            shows_axes: false,
+            shows_more: false,
             map: Driver::default(),
             check: Driver::default(),
             started: None,
@@ -175,6 +175,12 @@ impl Range {
         let is_own = |axis: &AxisChoice| axis.ends.is_some();
         let is_middle = self.middle == Some(axes::middle(scene.implant));
         is_middle && ![Some(self.across), self.up].iter().flatten().any(is_own)
+    }
+
+    /// Are the axes those of the start: width and projection, with usual ends?
+    fn has_usual_axes(&self) -> bool {
+        let usual = Self::default();
+        (self.across, self.up) == (usual.across, usual.up)
     }
 
     /// Gives up typed ends; sizes lie around the present plan.

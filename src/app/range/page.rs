@@ -7,6 +7,7 @@ use crate::app::commands::entry_of;
 use crate::app::files::name_with_size;
 use crate::app::messages::Notice;
 use crate::app::plan::{Hand, chip};
+use crate::app::research;
 use crate::app::shared::Shared;
 use crate::app::texts::{fixed, tr};
 use crate::app::theme;
@@ -31,7 +32,11 @@ impl Range {
             nodes = map.settings().nodes_per_side,
             fine = CHECK.nodes_per_side
         );
-        remark(ui, self.caption_in_words(map, &self.accuracy_in_words(map))).on_hover_text(grids);
+        let accuracy = research::is_on(ui.ctx()).then(|| self.accuracy_in_words(map));
+        let caption = remark(ui, self.caption_in_words(map, accuracy.as_deref()));
+        if accuracy.is_some() {
+            caption.on_hover_text(grids);
+        }
         if let Some(failure) = self.map.failure().or_else(|| self.check.failure()) {
             let line = RichText::new(failure).small().color(palette.bad);
             ui.add(egui::Label::new(line).wrap());
@@ -44,16 +49,16 @@ impl Range {
         if done < map.cases().len() { String::new() } else { self.accuracy(map) }
     }
 
-    /// Progress or `accuracy`, which may be empty, pocket, points without an answer, pins beyond the chart, in sentences.
-    pub(super) fn caption_in_words(&self, map: &Map, accuracy: &str) -> String {
+    /// Progress; number and `accuracy` of the plans, which may be empty, if that is given; pocket, points without an answer, pins beyond the chart, in sentences.
+    pub(super) fn caption_in_words(&self, map: &Map, accuracy: Option<&str>) -> String {
         let in_full = map.solved_in_full();
         let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
         let mut words = Vec::new();
         if done < all {
             words.push(tr!("{done} of {all} plans computed.", done, all));
         } else {
-            words.push(tr!("{all} plans computed.", all));
-            words.extend(Some(accuracy.to_owned()).filter(|words| !words.is_empty()));
+            words.extend(accuracy.map(|_| tr!("{all} plans computed.", all)));
+            words.extend(accuracy.filter(|words| !words.is_empty()).map(str::to_owned));
         }
         if self.map.is_running() && done == all {
             words.push(tr!("The border of no answer is solved in full: {in_full} plans.", in_full));
@@ -229,7 +234,7 @@ impl Range {
             for reason in self.controls(ui, scene, layout) {
                 rejection_label(ui, &reason);
             }
-            if layout == Layout::Narrow && self.shows_axes {
+            if layout == Layout::Narrow && self.shows_more {
                 self.files(ui, shared, actions);
             }
         });
@@ -244,8 +249,8 @@ impl Range {
                 }
             }
             self.captions(ui);
-            // A phone has room for the chart alone, unless the axes are in sight.
-            if layout == Layout::Wide || self.shows_axes {
+            // A phone has room for the chart alone, unless more is wanted.
+            if layout == Layout::Wide || self.shows_more {
                 self.values(ui);
                 taken = self.shelf_list(ui, actions).map(Taken::Size).or(taken.take());
             }

@@ -53,7 +53,7 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
         cards: cards(session, device, uncertainty.findings()),
         remarks: remarks(session, device),
         patient: plan::patient_in_words(session.scene()),
-        origin: format!("{} · {}", origin(), status::model(session.scene())),
+        origin: format!("{} · {}", origin(), status::model(session.scene(), true)),
     };
     let envelope = uncertainty.envelope().unwrap_or_default();
     let shown = Shown { envelope, is_on_paper: true, ..Shown::new(session, options) };
@@ -162,7 +162,7 @@ pub(super) fn report(
             + &volume_marks.largest_in_words(),
         plan: plan::rows(session.scene(), device),
         technical: [
-            status::model(session.scene()),
+            status::model(session.scene(), true),
             plan::poisson_ratios(session.scene()),
             uncertainty.seed_in_words().unwrap_or_default(),
             accuracy,

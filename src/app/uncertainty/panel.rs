@@ -1,6 +1,7 @@
 //! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
 
 use super::{Findings, Uncertainty, chart, has_answer};
+use crate::app::research;
 use crate::app::texts::{fixed, localized, pressure, pressures, tr};
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
@@ -155,7 +156,7 @@ pub(super) fn without_answer(findings: &Findings) -> Option<String> {
 /// patient with all unknowns at their medians.
 fn scenarios(ui: &mut Ui, findings: &Findings, result: Option<&Outcome>) {
     let factors = findings.bands.first().map_or(&[][..], |band| &band.scenarios[..]);
-    if factors.is_empty() {
+    if factors.is_empty() || !research::is_on(ui.ctx()) {
         return;
     }
     ui.add_space(SPACE_SMALL);

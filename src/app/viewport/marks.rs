@@ -3,6 +3,7 @@
 use super::overlay::pointer_box;
 use super::{Viewport, readout, viewport_point};
 use crate::app::device::Device;
+use crate::app::research;
 use crate::app::texts::{fixed, tr};
 use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
@@ -166,7 +167,7 @@ impl Viewport {
             return None;
         }
         dot(ui, painter, at);
-        let lines = lines(None, Some(place), marked.picture, marked.subject.scene());
+        let lines = lines(ui, None, Some(place), marked.picture, marked.subject.scene());
         labelled_box(ui, painter, area, (at, tr("Kept values")), &lines);
         Some(at)
     }
@@ -273,12 +274,13 @@ fn show_values(
     let fields = picture.fields.as_deref();
     let device = Device::of(ui.ctx());
     let heading = fields.and_then(|fields| readout::heading(hit, fields, scene, device));
-    let lines = lines(heading, place_of(hit, picture), picture, scene);
+    let lines = lines(ui, heading, place_of(hit, picture), picture, scene);
     labelled_box(ui, painter, area, (pointer, tr("Values at the pointer")), &lines);
 }
 
 /// The lines of a box: what is there, and the values.
 fn lines(
+    ui: &Ui,
     heading: Option<String>,
     place: Option<Place>,
     picture: &Picture,
@@ -286,7 +288,7 @@ fn lines(
 ) -> Vec<String> {
     let values = picture.fields.as_ref().zip(place).and_then(|(fields, place)| {
         let nodes = place.nodes(fields.solution().problem().sheet())?;
-        Some(readout::values(&nodes, fields, scene))
+        Some(readout::values(&nodes, fields, scene, research::is_on(ui.ctx())))
     });
     heading.into_iter().chain(values.into_iter().flatten()).collect()
 }

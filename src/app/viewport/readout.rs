@@ -65,8 +65,13 @@ fn name(scene: &Scene, layer: usize) -> &str {
     scene.layers.get(layer).map_or(tr("tissue"), |layer| texts::tissue(&layer.tissue))
 }
 
-/// The values at three nodes: skin, every layer now and at rest, cover, pressure; one per line.
-pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<String> {
+/// The values at three nodes, one per line: stretch of the skin, cover, pressure; with `has_layers` every layer now and at rest.
+pub(super) fn values(
+    nodes: &Nodes,
+    fields: &Fields,
+    scene: &Scene,
+    has_layers: bool,
+) -> Vec<String> {
     // Interpolated between three nodes; fields that are not displayed are not computed.
     let value = |field: Field| -> f32 {
         let at = |&(node, weight): &(usize, f32)| fields.at(field, node).map(|v| v as f32 * weight);
@@ -82,7 +87,8 @@ pub(super) fn values(nodes: &Nodes, fields: &Fields, scene: &Scene) -> Vec<Strin
         lines.push(tr!("Skin in folds: {folded:.1} %", folded = 100.0 * folded));
     }
     let materials = &fields.solution().problem().materials;
-    for (k, thickness) in fields.solution().stack().thickness_mm.iter().enumerate() {
+    let layers = fields.solution().stack().thickness_mm.iter().enumerate();
+    for (k, thickness) in layers.filter(|_| has_layers) {
         let now = |&(node, weight): &(usize, f32)| thickness.get(node).map(|mm| mm * weight);
         let now = nodes.iter().map(now).sum::<Option<f32>>().unwrap_or(0.0);
         let rest = materials.get(k).map_or(0.0, |material| material.thickness_mm);
@@ -154,7 +160,8 @@ mod tests {
         let outcome = session.outcome().expect("the scene is solved");
         let fields: Rc<Fields> = Rc::clone(session.fields());
         let apex = 16 * 33 + 16;
-        let lines = values(&[(apex, 1.0), (apex, 0.0), (apex, 0.0)], &fields, session.scene());
+        let nodes = [(apex, 1.0), (apex, 0.0), (apex, 0.0)];
+        let lines = values(&nodes, &fields, session.scene(), true);
         let cover = outcome.cover_mm.expect("layered tissue has a cover").apex;
         let rest: f64 = session.scene().layers.iter().map(|layer| layer.thickness_mm).sum();
         assert!(lines.contains(&format!("Cover {cover:.1} mm (at rest {rest:.1})")), "{lines:?}");
@@ -169,6 +176,8 @@ mod tests {
         // Fat under the skin is pressed: its word has the sign.
         assert!(!lines.iter().any(|line| line.contains(" -")), "{lines:?}");
         assert!(lines.iter().any(|line| line.starts_with("Pressure ")), "{lines:?}");
+        let few = values(&nodes, &fields, session.scene(), false);
+        assert_eq!(few, [0, lines.len() - 2, lines.len() - 1].map(|k| lines[k].clone()));
     }
 
     #[test]
@@ -176,7 +185,7 @@ mod tests {
         let session = solved(Scene::sheet());
         let border = 16 * 33;
         let nodes = [(border, 1.0), (border, 0.0), (border, 0.0)];
-        let lines = values(&nodes, session.fields(), session.scene());
+        let lines = values(&nodes, session.fields(), session.scene(), true);
         assert!(!lines.iter().any(|line| line.starts_with("Cover")), "{lines:?}");
         assert_eq!(lines.last().map(String::as_str), Some("No pressure here"));
     }
