@@ -5,7 +5,10 @@ use super::plan::{Device, Hand};
 use super::studies::{Driver, Studies};
 use super::texts::{self, tr};
 use super::theme::{self, SPACE};
+use super::volumes::highest_sold_ml;
+use super::widgets::quantity::format_at_most;
 use super::widgets::remark;
+use crate::clinical::limits;
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
 use crate::session::Session;
@@ -30,6 +33,36 @@ pub(super) fn applies(session: &Session) -> bool {
 
 /// What the missing answer means for the plan.
 pub(super) fn words(session: &Session) -> String {
+    beyond_sold(session.scene()).unwrap_or_else(|| reason(session))
+}
+
+/// That no implant of a plan's width and volume is sold, in a sentence: the solver may take long to find no answer there. `None` for a
+/// size of the shelf, and for other sizes within those sold.
+pub(super) fn beyond_sold(scene: &Scene) -> Option<String> {
+    let implant = &scene.implant;
+    let size = implant.size().ok().filter(|_| scene.implant_reference.is_empty())?;
+    let cm = |mm: f64| format_at_most(0.1 * mm, 0, 1);
+    let width = 2.0 * implant.base_radius_mm;
+    let (least, most) = limits::TYPICAL_WIDTH_MM;
+    if !(least - 0.5..=most + 0.5).contains(&width) {
+        let (least, most) = (cm(least), cm(most));
+        return Some(tr!(
+            "Beyond the sizes sold: these are {least} to {most} cm wide.",
+            least,
+            most
+        ));
+    }
+    let volume = highest_sold_ml(implant);
+    (size.volume_ml() > volume + 0.5).then(|| {
+        tr!(
+            "Beyond the sizes sold: the highest profile on {width} cm has {volume:.0} ml.",
+            width = cm(width),
+            volume
+        )
+    })
+}
+
+fn reason(session: &Session) -> String {
     texts::shown(&NoAnswer::of(session.scene(), session.invalid()).words(session.scene()))
 }
 

@@ -192,13 +192,21 @@ impl App {
     /// The cards or the missing answer in words, the filling of an expander, what is not known, the comparison and the details.
     fn answer(&mut self, ui: &mut Ui, layout: Layout) {
         let Self { shared, panels, actions, .. } = self;
+        let (device, palette) = (shared.choices.device, theme::palette(ui.visuals()));
         answer::heading(ui, &shared.session);
         if no_answer::applies(&shared.session) {
             let largest = shared.volume_marks.largest_plan(shared.session.scene());
             let taken = panels.nearest.card(ui, &shared.session, largest);
             actions.extend(taken.map(Action::TakeNearest));
         } else {
-            let near_end = shared.volume_marks.near_end(shared.session.scene());
+            let scene = shared.session.scene();
+            if let Some(words) =
+                no_answer::beyond_sold(scene).filter(|_| shared.session.is_working())
+            {
+                let words = RichText::new(device.words(&words)).color(palette.caution);
+                ui.add(egui::Label::new(words.strong()).wrap());
+            }
+            let near_end = shared.volume_marks.near_end(scene);
             let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
             answer::show(ui, &shared.session, previous, findings, &near_end);
         }

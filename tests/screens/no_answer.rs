@@ -81,6 +81,8 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
         scene.implant.projection_mm = 119.0;
     });
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
+    let beyond = "Beyond the sizes sold: the highest profile on 12 cm has 484 ml.";
+    assert!(harness.query_all_by_label(beyond).count() > 0);
     const WORDS: &str = " ml, the largest that stays usual";
     harness.hover_at(egui::pos2(4.0, 4.0));
     wait_until(&mut harness, "the largest volume", |harness| text_with(harness, WORDS));
@@ -99,6 +101,29 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     let outcome = harness.state().outcome().unwrap();
     assert!((outcome.implant_volume_ml - volume).abs() < 1e-6);
     harness.get_by_label_contains(" ml, 12 cm: usual. ");
+}
+
+#[test]
+fn a_plan_beyond_the_sizes_sold_says_so_during_its_solve() {
+    const WORDS: &str = "Beyond the sizes sold: the highest profile on 12 cm has 484 ml.";
+    let mut harness = app(DESKTOP, |_| {});
+    let plan = |ratio: f64| {
+        let mut scene = Scene::opening();
+        scene.implant.projection_mm = ratio * scene.implant.base_radius_mm;
+        scene
+    };
+    let beyond = plan(1.3);
+    let mut named = beyond.clone();
+    named.implant_reference = "A size of a shelf".to_owned();
+    for (scene, is_said) in [(beyond, true), (plan(1.0), false), (named, false)] {
+        harness.state_mut().open(scene.to_json()).unwrap();
+        harness.step();
+        assert!(harness.state().session().is_working());
+        assert_eq!(harness.query_by_label(WORDS).is_some(), is_said, "{scene:?}");
+        assert_eq!(harness.state().summary().contains(WORDS), is_said);
+    }
+    settle(&mut harness);
+    assert!(harness.query_by_label(WORDS).is_none());
 }
 
 #[test]

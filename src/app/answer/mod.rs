@@ -216,7 +216,10 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
     };
     let answer = answer(session, previous);
     let words = match answer.strain {
-        None if session.is_working() => tr("updating…").to_owned(),
+        None if session.is_working() => match no_answer::beyond_sold(plan) {
+            Some(words) => format!("{} {words}", tr("updating…")),
+            None => tr("updating…").to_owned(),
+        },
         None if no_answer::applies(session) => tr("no answer.").to_owned(),
         None => tr("no result.").to_owned(),
         Some(_) => answer.in_a_sentence(),
@@ -230,7 +233,9 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         return tr("Stopped: this plan has not been computed.").to_owned();
     }
     let Some(outcome) = session.result() else {
-        return tr("Updating.").to_owned();
+        let beyond = no_answer::beyond_sold(session.scene());
+        let beyond = beyond.map_or_else(String::new, |words| format!(" {words}"));
+        return format!("{}{beyond}", tr("Updating."));
     };
     let state = match outcome.status {
         Status::Unstable => {

@@ -13,7 +13,7 @@ use super::volumes::volumes;
 use super::widgets::quantity::format_at_most;
 use crate::clinical::{Shelf, ShelfSize};
 use crate::scene::Scene;
-use crate::study::{BandsSettings, Map, Parameter, with_values};
+use crate::study::{BandsSettings, Map, Parameter, Quantity, with_values};
 use eframe::egui;
 use marks::Mark;
 use web_time::{Duration, Instant};
@@ -154,6 +154,9 @@ impl VolumeMarks {
         };
         let width = width_in_words(curve.base());
         let words = match largest {
+            None if self.is_always_thin() => {
+                tr!("No volume on {width} cm stays usual, because the cover is thin", width)
+            }
             None => tr!("No volume on {width} cm stays usual", width),
             Some(volume) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
         } + &self.band.words();
@@ -163,6 +166,12 @@ impl VolumeMarks {
             tr!("; {volume} on {width} cm", volume, width)
         });
         format!("{words}{}.", beside.unwrap_or_default())
+    }
+
+    /// Is the cover the first thing that is not usual at the plan's width?
+    fn is_always_thin(&self) -> bool {
+        let first = self.own.marks().first();
+        first.is_some_and(|mark| mark.quantity == Some(Quantity::LeastCoverMm))
     }
 
     /// The largest volume that stays usual, as a sentence after another one; empty while that is not known.
@@ -280,6 +289,17 @@ mod tests {
         ] {
             assert_eq!(words(width(120.0, vec![], own), width(130.0, vec![], beside)), expected);
         }
+        let thin = Mark {
+            volume_ml: 100.0,
+            band: Some(1),
+            quantity: Some(Quantity::LeastCoverMm),
+            word: "thin",
+        };
+        let words_of_thin = words(width(120.0, vec![thin], None), width(130.0, vec![], None));
+        assert_eq!(
+            words_of_thin,
+            "No volume on 12 cm stays usual, because the cover is thin; none on 13 cm."
+        );
         let open = words(width(120.0, vec![], Some(480.0)), Width::default());
         assert_eq!(open, "Up to 480 ml (the highest profile sold) stays usual on 12 cm.");
     }
