@@ -118,3 +118,10 @@ fn a_table_of_diameters_in_windows_1252_without_units() {
     assert_eq!(read, [guessed(Column::Width), guessed(Column::Projection)]);
     assert_eq!(draft.columns()[0].title, "Código");
 }
+
+#[test]
+fn the_signs_of_windows_1252_are_read() {
+    let bytes = b"Name;Width (cm);Volume (cc)\n\x84H\xf6he\x93 \x96 \x80\x99;12;300\n";
+    let shelf = Draft::of(&Draft::text_of(bytes).unwrap()).unwrap().read().shelf;
+    assert!(shelf.sizes()[0].label().starts_with("„Höhe“ – €™"), "{:?}", shelf.sizes());
+}

@@ -12,8 +12,8 @@ use implant_preview::measure::Status;
 use implant_preview::scene::{Field, Scene, TissueModel};
 use implant_preview::simulate::simulate;
 use implant_preview::study::{
-    Axis, Bands, BandsError, BandsSettings, Case, Cases, Job, Map, MapError, MapSettings,
-    Parameter, PointStatus, Quantity, Study, Unknown, Values, evaluate, with_values,
+    Axis, Bands, BandsError, BandsSettings, Case, Cases, Job, Map, MapError, MapOptions,
+    MapSettings, Parameter, PointStatus, Quantity, Study, Unknown, Values, evaluate, with_values,
 };
 use std::collections::BTreeMap;
 
@@ -545,5 +545,26 @@ fn a_plan_whose_quick_solve_has_no_answer_has_that_of_the_full_solve_on_the_map(
     // Every point without an answer beside a point with one was solved in full.
     for i in (1..4).filter(|i| !has_answer(&full, *i) && has_answer(&full, i - 1)) {
         assert!(full.is_in_full(i, 0));
+    }
+}
+
+#[test]
+fn a_choice_of_a_study_is_absent_or_a_value() {
+    let error = |text: &str| BandsSettings::from_json(text).unwrap_err().to_string();
+    assert!(BandsSettings::from_json("{}").is_ok());
+    for field in ["grid", "unknowns", "samples"] {
+        let error = error(&format!("{{\"{field}\": null}}"));
+        assert!(error.starts_with(&format!("{field} is null; allowed: ")), "{error}");
+    }
+    let kept = BandsSettings::default();
+    let text = serde_json::to_string(&kept).unwrap();
+    assert_eq!(BandsSettings::from_json(&text), Ok(kept));
+    let options = |rest: &str| {
+        let x = r#""x": {"field": "base_width_mm", "from": 110, "to": 130, "count": 3}"#;
+        serde_json::from_str::<MapOptions>(&format!("{{{x}{rest}}}"))
+    };
+    assert!(options("").is_ok());
+    for field in ["y", "grid", "show"] {
+        assert!(options(&format!(", \"{field}\": null")).is_err(), "{field}");
     }
 }

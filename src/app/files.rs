@@ -25,14 +25,14 @@ const LEAST_DIALOG: Duration = Duration::from_millis(300);
 /// Greatest number of characters of a reference in the name of a file.
 const MAX_NAME: usize = 40;
 
-/// The name of a file with the visit: device, volume, date of the visit or of today, reference and an extension, as
-/// "implant-300ml-2026-11-25-4711.html".
+/// The name of a file with the visit: device, the maker's name of the size, volume, date of the visit or of today, reference and an
+/// extension, as "implant-MM-240-240ml-2026-11-25-4711.html".
 pub(super) fn name_with_visit(scene: &Scene, device: Device, extension: &str) -> String {
     let visit = scene.visit.clone().unwrap_or_default();
     name(scene, device, (visit.date, &visit.reference), "", extension)
 }
 
-/// The name of a file without the visit: device, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv"; `what`
+/// The name of a file without the visit: device, the maker's name, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv"; `what`
 /// stands before the extension.
 pub(super) fn name_without_visit(
     scene: &Scene,
@@ -43,13 +43,13 @@ pub(super) fn name_without_visit(
     name(scene, device, (String::new(), ""), what, extension)
 }
 
-/// The name of a file of a plan with the implant's size, as "tissue-12cm-300ml.stl"; a file of the implant alone has its volume, as
-/// "implant-300ml.glb".
+/// The name of a file of a plan with the implant's size, as "tissue-12cm-300ml.stl"; a file of the implant alone has its volume and,
+/// where one is stated, the maker's name, as "implant-MM-240-240ml.glb".
 pub(super) fn name_with_size(scene: &Scene, device: Device, what: &str, extension: &str) -> String {
     let [volume, width] = volume_and_width(scene);
     let what = device.english(what);
     let width = if what == device.english("implant") {
-        String::new()
+        makers_name(scene).map_or_else(String::new, |name| format!("{name}-"))
     } else {
         format!("{}cm-", width.replace(" × ", "x"))
     };
@@ -66,9 +66,17 @@ fn name(
     let [volume, _] = volume_and_width(scene);
     let date = if date.is_empty() { today() } else { date };
     let device = device.english("implant");
-    let parts = [device, format!("{volume}ml"), date, word_of_name(reference), what.to_owned()];
-    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    let size = [makers_name(scene).unwrap_or_default(), format!("{volume}ml")];
+    let parts = [device].into_iter().chain(size);
+    let parts = parts.chain([date, word_of_name(reference), what.to_owned()]);
+    let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
     format!("{}.{extension}", parts.join("-"))
+}
+
+/// The maker's name of the size as a part of a file's name, without the volume that stands behind it.
+fn makers_name(scene: &Scene) -> Option<String> {
+    let name = scene.implant_reference.split(" · ").next().map(word_of_name);
+    name.filter(|name| !name.is_empty())
 }
 
 /// A text as a part of a file's name on every system: letters, digits and hyphens; what is between them is one hyphen.
@@ -316,6 +324,17 @@ mod tests {
         scene.implant.base_height_mm = Some(108.0);
         let [volume, _] = volume_and_width(&scene);
         assert_eq!(name(&scene, "skin"), format!("skin-11.5x10.8cm-{volume}ml.glb"));
+    }
+
+    #[test]
+    fn a_name_has_the_makers_name_of_the_size() {
+        let mut scene = Scene::opening();
+        scene.implant_reference = "MM/240 · 240 cc".to_owned();
+        let name = |what| name_with_size(&scene, Device::Implant, what, "glb");
+        assert_eq!(name("implant"), "implant-MM-240-225ml.glb");
+        assert_eq!(name("tissue"), "tissue-12cm-225ml.glb");
+        let report = name_with_visit(&scene, Device::Implant, "html");
+        assert!(report.starts_with("implant-MM-240-225ml-2"), "{report}");
     }
 
     #[test]

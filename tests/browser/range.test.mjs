@@ -96,7 +96,7 @@ describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
         document.querySelector("canvas").dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
       }
     }, table);
-    await harness.control(page, "Take 1 sizes");
+    await harness.control(page, "Take 1 size");
     await page.keyboard.press("Enter");
     await page.waitForFunction(() => localStorage.getItem("implant-preview/shelf/1")?.includes("Round 310"));
     await page.reload();

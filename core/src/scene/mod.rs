@@ -26,6 +26,7 @@ pub mod pins;
 pub mod read;
 mod repair;
 mod thickness;
+pub mod values;
 pub mod visit;
 mod written;
 

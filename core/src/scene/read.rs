@@ -1,6 +1,7 @@
 //! From bytes to scenes and curves: text, JSON, JSON lines. Invalid input of any length is rejected with one short
 //! line; reading stops at the first surplus entry of a list.
 
+use super::values::{Values, has_several};
 use super::{CheckedScene, Field, SceneError, SceneFile, one_line, out_of_range, problem};
 use crate::curve::{Curve, GAP, List, ScaledCurve};
 use crate::table::{Encoding, NotText, encoding, line_at};
@@ -8,6 +9,7 @@ use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::error::Category;
 use serde_json::value::RawValue;
+use std::borrow::Cow;
 
 /// Greatest size of a scene or a curve \[bytes\].
 pub const MAX_SCENE_BYTES: usize = 10_000_000;
@@ -21,7 +23,8 @@ pub const MAX_SCENES: usize = 100_000;
 /// The format of a file of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// One scene; or one scene per line if the first line is a whole value and more lines follow.
+    /// One scene; or one scene per line if the first line is a whole value and more lines follow; or one scene behind the other, each
+    /// over any number of lines.
     Json,
     /// One scene per line.
     JsonLines,
@@ -36,19 +39,21 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
         return Err(out_of_range("file", format!("{} bytes long", bytes.len()), "up to 100 MB"));
     }
     let text = unmarked(utf8(bytes)?);
-    if format == Format::Json && !starts_with_a_value(text) {
+    let Some(texts) = (match format {
+        Format::Json => several(text),
+        Format::JsonLines => Some(lines(text)),
+    }) else {
         return Ok(vec![checked_scene(text, None)?]);
-    }
-    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let at_line = |k, error| SceneError::Line { line: k + 1, source: Box::new(error) };
+    };
+    let at_line = |line, error| SceneError::Line { line, source: Box::new(error) };
     // Before any scene is built: checked scenes contain curves and need much memory.
-    if let Some((k, _)) = lines.clone().nth(MAX_SCENES) {
+    if let Some((line, _)) = texts.get(MAX_SCENES) {
         let allowed = format!("up to {MAX_SCENES} scenes");
-        return Err(at_line(k, out_of_range("file", "too long".to_owned(), &allowed)));
+        return Err(at_line(*line, out_of_range("file", "too long".to_owned(), &allowed)));
     }
     let mut scenes = Vec::new();
-    for (k, line) in lines {
-        scenes.push(checked_scene(line, scenes.last()).map_err(|error| at_line(k, error))?);
+    for (line, text) in texts {
+        scenes.push(checked_scene(&text, scenes.last()).map_err(|error| at_line(line, error))?);
     }
     if scenes.is_empty() {
         return Err(out_of_range("file", "empty".to_owned(), "one scene per line"));
@@ -56,7 +61,29 @@ pub fn scenes(bytes: &[u8], format: Format) -> Result<Vec<CheckedScene>, SceneEr
     Ok(scenes)
 }
 
-/// Splits a list of scenes (JSON), or scenes one per line, into the texts of the scenes, which stay unchecked.
+/// The texts of scenes one per line or one behind the other with their lines, one text more than allowed at most; `None` for one
+/// scene.
+fn several(text: &str) -> Option<Vec<(usize, Cow<'_, str>)>> {
+    if starts_with_a_value(text) {
+        return Some(lines(text));
+    }
+    // Memory is always read.
+    has_several(text.as_bytes()).unwrap_or_default().then(|| {
+        let mut values = Values::new(text.as_bytes(), MAX_SCENE_BYTES + 1);
+        let next = || values.next_value().unwrap_or_default();
+        let found = std::iter::from_fn(next).take(MAX_SCENES + 1);
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned().into();
+        found.map(|(line, bytes)| (line, text(bytes))).collect()
+    })
+}
+
+/// The lines that are not blank with their numbers, one more than allowed at most.
+fn lines(text: &str) -> Vec<(usize, Cow<'_, str>)> {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    lines.take(MAX_SCENES + 1).map(|(k, line)| (k + 1, line.into())).collect()
+}
+
+/// Splits a list of scenes (JSON), scenes one per line or one behind the other, into the texts of the scenes, which stay unchecked.
 ///
 /// # Errors
 /// One line if the text is not a list or is too long.
@@ -65,21 +92,19 @@ pub fn texts(text: &str) -> Result<Vec<String>, SceneError> {
         return Err(out_of_range("scenes", format!("{} bytes long", text.len()), "up to 100 MB"));
     }
     let text = unmarked(text);
-    let texts: Vec<&str> = if text.trim_start().starts_with('[') {
+    let texts: Vec<Cow<'_, str>> = if text.trim_start().starts_with('[') {
         let list: List<&RawValue, MAX_SCENES> =
             serde_json::from_str(text).map_err(|error| problem("scenes", &error.to_string()))?;
-        list.0.into_iter().map(RawValue::get).collect()
-    } else if starts_with_a_value(text) {
-        let lines = text.lines().filter(|line| !line.trim().is_empty());
-        lines.take(MAX_SCENES + 1).collect()
+        list.0.into_iter().map(|scene| scene.get().into()).collect()
     } else {
-        vec![text]
+        let texts = several(text).unwrap_or_else(|| vec![(1, text.into())]);
+        texts.into_iter().map(|(_, text)| text).collect()
     };
     if texts.len() > MAX_SCENES {
         let allowed = format!("up to {MAX_SCENES} scenes");
         return Err(out_of_range("scenes", "too long".to_owned(), &allowed));
     }
-    Ok(texts.into_iter().map(str::to_owned).collect())
+    Ok(texts.into_iter().map(Cow::into_owned).collect())
 }
 
 /// Reads a file with one curve in the format of a scene's curve.
@@ -248,7 +273,21 @@ mod tests {
         assert_eq!(list, ["{\"a\": 0.10}", "5", "{}"]);
         assert_eq!(texts("{}\n\n{\r\n").unwrap(), ["{}", "{"]);
         assert_eq!(texts("{\n}").unwrap(), ["{\n}"]);
+        assert_eq!(texts("\u{feff}{\n\"a\": 1\n}\n{\n}").unwrap(), ["{\n\"a\": 1\n}", "{\n}"]);
         assert_eq!(texts("[]").unwrap(), [""; 0]);
+    }
+
+    #[test]
+    fn scenes_behind_one_another_over_any_number_of_lines_are_read() {
+        let implant = "\"implant\": {\"base_radius_mm\": 60, \"projection_mm\": 40}";
+        let scene = format!("{{\n  {implant}, \"insertion\": 0.5\n}}");
+        let read = |text: &str| scenes(text.as_bytes(), Format::Json);
+        let found = read(&format!("{scene}\n{scene}{scene}\n")).unwrap();
+        assert!(found.len() == 3 && found.iter().all(|scene| scene.scene().insertion < 1.0));
+        assert_eq!(read(&scene).unwrap().len(), 1);
+        let error = read(&format!("{scene}\n{{\n{implant}, \"insertion\": 5}}")).err().unwrap();
+        let error = error.to_string();
+        assert!(error.starts_with("line 4: insertion"), "{error}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::section_band::{SectionBand, section_band};
 use super::sequence::{MAX_SAMPLES, quantile, unit_sample};
 use super::{Case, PointStatus, Profile, Quantity, Unknown};
 use crate::clinical::spread::{Distribution, METHOD_SCALES, Spread};
-use crate::curve::{SCALES, whole};
+use crate::curve::{SCALES, given, whole};
 use crate::measure::PROFILE_POINTS;
 use crate::scene::{Scene, SceneError, read};
 use schemars::JsonSchema;
@@ -42,6 +42,8 @@ pub struct BandsSettings {
     #[serde(deserialize_with = "whole")]
     pub importance_rows: usize,
     /// Grid and tolerance; default: 65 nodes of a sheet, 33 of layered tissue, 0.1 %.
+    #[serde(deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "MapSettings")]
     pub grid: Option<MapSettings>,
     /// Other distributions of unknowns; `null` switches an unknown off.
     pub unknowns: BTreeMap<Unknown, Option<Distribution>>,

@@ -7,7 +7,7 @@ use super::map_levels::Skin;
 use super::parameter::{Parameter, with_values};
 use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
-use crate::curve::{number, whole};
+use crate::curve::{given, number, whole};
 use crate::measure::Status;
 use crate::scene::{Field, Scene, TissueModel, limits};
 use schemars::JsonSchema;
@@ -38,6 +38,8 @@ pub struct MapOptions {
     /// The first axis.
     pub x: Axis,
     /// The second axis, if the map has one.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Axis")]
     pub y: Option<Axis>,
     /// Grid and tolerance.
     #[serde(default)]

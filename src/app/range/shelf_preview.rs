@@ -75,7 +75,11 @@ impl Preview {
         let mut decision = None;
         ui.horizontal(|ui| {
             let is_ready = count > 0 && self.draft.missing().is_none();
-            let take = egui::Button::new(tr!("Take {count} sizes", count));
+            let words = match count {
+                1 => tr("Take 1 size").to_owned(),
+                _ => tr!("Take {count} sizes", count),
+            };
+            let take = egui::Button::new(words);
             if ui.add_enabled(is_ready, take).clicked() {
                 decision = Some(Decision::Take(std::mem::take(&mut self.reading.shelf)));
             }

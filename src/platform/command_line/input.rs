@@ -4,7 +4,7 @@ use super::InputError;
 use super::file::{Reader, cannot_be_read, is_file, open};
 use super::output::input_error;
 use super::rows::TableRows;
-use super::values::Values;
+use crate::scene::values::{Values, has_several};
 use crate::scene::{MAX_SCENE_BYTES, read};
 use crate::table::{Decimals, RawRow};
 use std::collections::VecDeque;
@@ -212,14 +212,6 @@ fn next_line(reader: &mut BufReader<Reader>, taken: &mut usize) -> io::Result<Op
             return Ok(Some(bytes));
         }
     }
-}
-
-/// Does an object follow the first one?
-fn has_several(beginning: &[u8]) -> io::Result<bool> {
-    let mut values = Values::new(beginning, 0);
-    Ok(values.peek()? == Some(b'{')
-        && values.next_value()?.is_some()
-        && values.peek()? == Some(b'{'))
 }
 
 /// What is read of a scene.

@@ -27,7 +27,6 @@ mod studies;
 mod tension;
 mod utf16;
 mod validate;
-mod values;
 
 use clap::{Parser, Subcommand};
 use std::fmt::Display;

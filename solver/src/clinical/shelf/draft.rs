@@ -78,6 +78,17 @@ impl Reading {
     }
 }
 
+/// The letters of Windows-1252 that are none of Latin-1, from 0x80 on; a full stop for a byte without a letter.
+const WINDOWS_1252: &str = "€.‚ƒ„…†‡ˆ‰Š‹Œ.Ž..‘’“”•–—˜™š›œ.žŸ";
+
+/// The letter of a byte.
+fn windows_1252(byte: u8) -> char {
+    match byte.checked_sub(0x80).map(usize::from).and_then(|k| WINDOWS_1252.chars().nth(k)) {
+        Some(letter) if letter != '.' => letter,
+        _ => char::from(byte),
+    }
+}
+
 /// A table of sizes with what its columns hold.
 #[derive(Clone, Debug)]
 pub struct Draft {
@@ -96,8 +107,9 @@ impl Draft {
     /// What the file is instead.
     pub fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
         match decode(bytes) {
-            // The letters of Windows-1252 but for its quotation marks and dashes.
-            Err(NotText::NotUtf8 { .. }) => Ok(bytes.iter().copied().map(char::from).collect()),
+            Err(NotText::NotUtf8 { .. }) => {
+                Ok(bytes.iter().map(|byte| windows_1252(*byte)).collect())
+            }
             other => other,
         }
     }

@@ -3,7 +3,7 @@
 use std::io::{self, BufRead};
 
 /// The texts of values in a stream. A text ends with the bracket that closes the first one; other text, with its line.
-pub(super) struct Values<R> {
+pub struct Values<R> {
     input: R,
     most_bytes: usize,
     /// Number of line feeds before the next byte.
@@ -14,12 +14,15 @@ pub(super) struct Values<R> {
 
 impl<R: BufRead> Values<R> {
     /// Reads at most so many bytes of a value, and leaves the others out.
-    pub(super) fn new(input: R, most_bytes: usize) -> Self {
+    pub fn new(input: R, most_bytes: usize) -> Self {
         Self { input, most_bytes, feeds: 0, is_begun: false }
     }
 
     /// The next text and the line on which it begins, from 1; `None` at the end.
-    pub(super) fn next_value(&mut self) -> io::Result<Option<(usize, Vec<u8>)>> {
+    ///
+    /// # Errors
+    /// Of the reader.
+    pub fn next_value(&mut self) -> io::Result<Option<(usize, Vec<u8>)>> {
         if self.peek()?.is_none() {
             return Ok(None);
         }
@@ -65,7 +68,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// The next byte that is no white space, which stays.
-    pub(super) fn peek(&mut self) -> io::Result<Option<u8>> {
+    fn peek(&mut self) -> io::Result<Option<u8>> {
         loop {
             let piece = self.input.fill_buf()?;
             if piece.is_empty() {
@@ -82,6 +85,17 @@ impl<R: BufRead> Values<R> {
             }
         }
     }
+}
+
+/// Does an object follow the first one?
+///
+/// # Errors
+/// Of the reader; memory is always read.
+pub fn has_several(beginning: &[u8]) -> io::Result<bool> {
+    let mut values = Values::new(beginning, 0);
+    Ok(values.peek()? == Some(b'{')
+        && values.next_value()?.is_some()
+        && values.peek()? == Some(b'{'))
 }
 
 #[cfg(test)]
