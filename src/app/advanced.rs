@@ -4,13 +4,12 @@
 use super::curve_editor;
 use super::device::Device;
 use super::fat;
-use super::plan::{Hand, chip, chips};
+use super::plan::{self, Hand, chip, chips};
 use super::research;
 use super::stability;
 use super::texts::{self, tr};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::{Control, button_if, choice, group, labelled_box, set_accessible_name};
-use crate::clinical::HALF_ELLIPSOID;
 use crate::scene::{AttachmentSettings, Body, Field, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
@@ -86,13 +85,9 @@ pub(super) fn accuracy_name(scene: &Scene) -> Option<&'static str> {
     ACCURACIES.iter().find_map(name)
 }
 
-/// The fullness of an implant, which older plans and expanders do not have; width and projection stay.
+/// The fullness of an implant; width and projection stay.
 fn fullness(ui: &mut Ui, scene: &mut Scene) {
-    if !scene.may_be_anatomical() || Device::of(ui.ctx()) == Device::Expander {
-        return;
-    }
-    let mut value = scene.implant.fullness();
-    let control = Control { reset: HALF_ELLIPSOID, ..Control::of(Field::Fullness) };
+    let Some((control, mut value)) = plan::fullness(scene, Device::of(ui.ctx())) else { return };
     if control.show(ui, &mut value).is_changed {
         scene.implant.set_fullness(value);
     }

@@ -17,6 +17,8 @@ enum Number {
     Size(Dimension),
     /// Height of an anatomical base.
     Height,
+    /// The volume by that of the cylinder around the implant.
+    Fullness,
     /// Way of an anatomical implant's apex towards the feet.
     Apex,
     Pinch,
@@ -29,11 +31,12 @@ enum Number {
 }
 
 /// The numbers by name, in the order of the screen. The choice of the shape is before the width, skin and choice of the chest follow the pinch.
-const NUMBERS: [(&str, Number); 12] = [
+const NUMBERS: [(&str, Number); 13] = [
     (WIDTH, Number::Size(Dimension::BaseWidth)),
     ("height_cm", Number::Height),
     ("volume_ml", Number::Size(Dimension::Volume)),
     ("projection_cm", Number::Size(Dimension::Projection)),
+    ("fullness", Number::Fullness),
     ("apex_lower_cm", Number::Apex),
     (PINCH, Number::Pinch),
     ("chest_across_cm", Number::Chest(0)),
@@ -216,6 +219,7 @@ impl Number {
             }
             Self::Height | Self::Apex if choices.device == Device::Expander => return None,
             Self::Height => return shape::height(scene, choices),
+            Self::Fullness => return shape::fullness(scene, choices.device),
             Self::Apex => return shape::apex(scene),
             Self::Pinch => patient::pinch_control(scene, &patient::measured(scene)),
             Self::Chest(axis) => return chest::radius(scene, axis),
@@ -237,6 +241,7 @@ impl Number {
                 }
             }
             Self::Height => shape::set_height(scene, choices, value),
+            Self::Fullness => scene.implant.set_fullness(value),
             Self::Apex => shape::set_apex(scene, value),
             Self::Pinch => {
                 let mut measured = patient::measured(scene);
@@ -282,6 +287,12 @@ mod tests {
         assert!((volume - 350.0).abs() < 1e-9, "{volume}");
         let wide = after(&[("projection_cm", "5")]);
         assert_eq!((wide.implant.base_radius_mm, wide.implant.projection_mm), (60.0, 50.0));
+        let full = after(&[("fullness", "0,72")]);
+        assert!((full.implant.fullness() - 0.72).abs() < 1e-12);
+        let size = full.implant.size().unwrap();
+        let opening = Scene::opening().implant.size().unwrap();
+        assert!(size.volume_ml() > opening.volume_ml() + 10.0);
+        assert_eq!(size.projection_mm(), opening.projection_mm());
         let patient = after(&[("pinch_cm", "3"), ("skin", "lax")]).patient.unwrap().measured;
         assert_eq!((patient.pinch_mm, patient.skin_class), (Some(30.0), Some(SkinClass::Lax)));
         let placed = after(&[("margin_cm", "2"), ("side_cm", "1"), ("up_cm", "−0,5")]);
@@ -314,7 +325,7 @@ mod tests {
             (
                 "height",
                 "3",
-                "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, pinch_cm, skin, \
+                "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, fullness, pinch_cm, skin, \
                  chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
             ),
             ("side", "up", "Side: allowed: left, right, both, not said"),

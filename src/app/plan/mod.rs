@@ -24,7 +24,7 @@ pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
-pub(super) use shape::{is_anatomical, shape_in_words};
+pub(super) use shape::{fullness, is_anatomical, shape_in_words};
 pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
 
 pub(super) use super::device::Device;
@@ -66,6 +66,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         size.map(|size| (volume, format!("{:.0} ml", size.volume_ml()))),
         Some((tr("Projection"), centimetres(implant.projection_mm))),
         size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),
+        implant.fullness.map(|fullness| (tr("Fullness"), fixed(fullness, 2))),
         pinch,
         class,
         pull,

@@ -1,10 +1,10 @@
 //! The shape of the implant: round, or anatomical, with a height of its own and a lower apex; sizes keep its proportions.
 
-use super::{Choices, Hand, cm, mm, row};
+use super::{Choices, Device, Hand, cm, mm, row};
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::app::widgets::quantity::{format_at_most, significant};
-use crate::clinical::{Dimension, Size, limits};
+use crate::clinical::{Dimension, HALF_ELLIPSOID, Size, limits};
 use crate::scene::{self, Field, Implant, Scene};
 use eframe::egui::Ui;
 
@@ -170,6 +170,13 @@ pub(super) fn set_height(scene: &mut Scene, choices: &Choices, height: f64) {
         set_size(scene, size);
         Field::ApexShift.set(scene, 0, scene.implant.apex_shift_mm);
     }
+}
+
+/// The control of the fullness, and the fullness; `None` for older plans and expanders, which have none.
+pub(in crate::app) fn fullness(scene: &Scene, device: Device) -> Option<(Control<'static>, f64)> {
+    let has_one = scene.may_be_anatomical() && device == Device::Implant;
+    let control = || Control { reset: HALF_ELLIPSOID, ..Control::of(Field::Fullness) };
+    has_one.then(|| (control(), scene.implant.fullness()))
 }
 
 /// The control of the way of the apex, and the way \[cm\]; `None` for a round implant.

@@ -102,7 +102,7 @@ impl Chart {
         let painter = ui.painter().with_clip_rect(area);
         paint_axes(ui, &painter, map, drawn, &plane, quantity);
         let inside = painter.with_clip_rect(rect.expand(1.0));
-        paint(ui, &inside, map, drawn, &plane, sizes.is_in_use());
+        paint(ui, &inside, map, drawn, &plane, (sizes.is_in_use(), pins.marks(&plane)));
         if map.axes().len() == 2 {
             sizes.paint(&inside, &plane);
         }

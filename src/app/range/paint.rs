@@ -56,20 +56,20 @@ fn small(ui: &Ui) -> FontId {
     TextStyle::Small.resolve(ui.style())
 }
 
-/// Draws colours, lines, sizes and the present implant.
+/// Draws colours, lines, sizes and the present implant; no text covers the `pins`.
 pub(super) fn paint(
     ui: &Ui,
     painter: &Painter,
     map: &Map,
     drawn: &Drawn,
     plane: &Plane,
-    has_shelf: bool,
+    (has_shelf, pins): (bool, Vec<Rect>),
 ) {
     let palette = theme::palette(ui.visuals());
     let rect = plane.rect;
     let path =
         |points: &[(f64, f64)]| -> Vec<Pos2> { points.iter().map(|p| plane.at(*p)).collect() };
-    let mut labels = Labels { ui, painter, placed: Vec::new() };
+    let mut labels = Labels { ui, painter, placed: pins };
     if let Some(texture) = &drawn.texture {
         let all = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         let mut mesh = egui::Mesh::with_texture(texture.id());
@@ -109,13 +109,14 @@ pub(super) fn paint(
     } else {
         curve(ui, painter, map, drawn, plane, drawn.key.1);
     }
-    present(ui, painter, map, plane, &mut labels);
+    let beside = present(ui, painter, map, plane, &mut labels);
     for (text, lines) in &drawn.contours {
         let longest = lines.iter().max_by_key(|line| line.len());
         if let Some(points) = longest {
             labels.add(text, plane.at(points[points.len() / 2]), true);
         }
     }
+    labels.add_at_one_of(tr("this plan"), &beside);
     for (word, at) in &drawn.areas {
         labels.add(word, plane.at(*at), true);
     }
@@ -155,25 +156,45 @@ fn curve(ui: &Ui, painter: &Painter, map: &Map, drawn: &Drawn, plane: &Plane, qu
     }
 }
 
-/// Marks the present implant.
-fn present(ui: &Ui, painter: &Painter, map: &Map, plane: &Plane, labels: &mut Labels<'_>) {
+/// Where the words of the present implant may stand beside its mark, the best first \[points\].
+const BESIDE: [(f32, f32); 8] = [
+    (0.0, -18.0),
+    (0.0, 18.0),
+    (42.0, 0.0),
+    (-42.0, 0.0),
+    (42.0, -18.0),
+    (-42.0, -18.0),
+    (42.0, 18.0),
+    (-42.0, 18.0),
+];
+/// Radius of the mark \[points\].
+const MARK: f32 = 8.0;
+
+/// Marks the present implant; returns the places of its words.
+fn present(
+    ui: &Ui,
+    painter: &Painter,
+    map: &Map,
+    plane: &Plane,
+    labels: &mut Labels<'_>,
+) -> Vec<Pos2> {
     let palette = theme::palette(ui.visuals());
-    let Some([x, y]) = map.present() else { return };
+    let Some([x, y]) = map.present() else { return Vec::new() };
     if map.axes().len() == 1 {
         let at = plane.at((x, 0.0)).x;
         painter.vline(at, plane.rect.y_range(), Stroke::new(1.5, palette.accent));
-        labels.add(tr("this plan"), pos2(at, plane.rect.top() + 10.0), true);
-        return;
+        return vec![pos2(at, plane.rect.top() + 10.0)];
     }
     let at = plane.at((x, y));
     for (width, color) in [(5.0, palette.on_accent), (2.5, palette.accent)] {
-        painter.circle_stroke(at, 8.0, Stroke::new(width, color));
+        painter.circle_stroke(at, MARK, Stroke::new(width, color));
     }
     painter.circle_filled(at, 2.5, palette.on_accent);
-    labels.add(tr("this plan"), at + vec2(0.0, -18.0), true);
+    labels.placed.push(Rect::from_center_size(at, egui::Vec2::splat(2.0 * MARK)));
+    BESIDE.map(|(x, y)| at + vec2(x, y)).to_vec()
 }
 
-/// Texts on the chart; a text that would cover another one is left out.
+/// Texts on the chart; a text that would cover another one or a mark is left out.
 struct Labels<'a> {
     ui: &'a Ui,
     painter: &'a Painter,
@@ -181,7 +202,17 @@ struct Labels<'a> {
 }
 
 impl Labels<'_> {
-    fn add(&mut self, text: &str, at: Pos2, is_strong: bool) {
+    /// Adds a text at the first place that is free, else at the first one.
+    fn add_at_one_of(&mut self, text: &str, places: &[Pos2]) {
+        let is_placed = places.iter().any(|at| self.add(text, *at, true));
+        if let Some(first) = places.first().filter(|_| !is_placed) {
+            self.placed.clear();
+            self.add(text, *first, true);
+        }
+    }
+
+    /// Adds a text; returns whether there is room.
+    fn add(&mut self, text: &str, at: Pos2, is_strong: bool) -> bool {
         let visuals = self.ui.visuals();
         let color = if is_strong { visuals.strong_text_color() } else { visuals.text_color() };
         let galley = self.painter.layout_no_wrap(text.to_owned(), small(self.ui), color);
@@ -194,11 +225,12 @@ impl Labels<'_> {
             (clip.top() - rect.top()).max(0.0) + (clip.bottom() - rect.bottom()).min(0.0),
         ));
         if self.placed.iter().any(|other| other.expand(1.0).intersects(rect)) {
-            return;
+            return false;
         }
         self.placed.push(rect);
         self.painter.rect_filled(rect, 3.0, visuals.panel_fill.gamma_multiply(0.85));
         self.painter.galley(rect.min + vec2(3.0, 0.0), galley, color);
+        true
     }
 }
 
@@ -301,5 +333,31 @@ pub(super) fn paint_legend(ui: &Ui, painter: &Painter, drawn: &Drawn, rect: Rect
     for (value, number) in scale.marks() {
         painter.hline(bar.right()..=bar.right() + 3.0, at(value), Stroke::new(1.0, quiet));
         text(&mut taken, at(value), left, &number, quiet);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_of_the_present_implant_cover_no_other_text_where_there_is_room() {
+        egui::__run_test_ui(|ui| {
+            let at = pos2(200.0, 200.0);
+            let beside = BESIDE.map(|(x, y)| at + vec2(x, y));
+            let taken = |places: &[Pos2]| -> Vec<Rect> {
+                places.iter().map(|at| Rect::from_center_size(*at, vec2(16.0, 16.0))).collect()
+            };
+            for count in 0..=2 {
+                let (painter, placed) = (ui.painter(), taken(&beside[..count]));
+                let mut labels = Labels { ui, painter, placed };
+                labels.add_at_one_of("this plan", &beside);
+                assert!((labels.placed[count].center() - beside[count]).length() < 1.0);
+            }
+            // Without room the words stand at the best place.
+            let mut labels = Labels { ui, painter: ui.painter(), placed: taken(&beside) };
+            labels.add_at_one_of("this plan", &beside);
+            assert!((labels.placed[0].center() - beside[0]).length() < 1.0);
+        });
     }
 }

@@ -7,7 +7,7 @@ use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
 use crate::session::Session;
 use crate::study::Map;
-use eframe::egui::{self, Align2, Pos2, Sense, Stroke, TextStyle, Ui, vec2};
+use eframe::egui::{self, Align2, Pos2, Rect, Sense, Stroke, TextStyle, Ui, Vec2};
 
 /// Radius of a pin on the chart \[points\].
 const RADIUS: f32 = 8.0;
@@ -90,6 +90,12 @@ impl Pins {
         places
     }
 
+    /// The circles of the pins on the screen.
+    pub(super) fn marks(&self, plane: &Plane) -> Vec<Rect> {
+        let size = Vec2::splat(2.0 * RADIUS);
+        self.places(plane).into_iter().map(|at| Rect::from_center_size(at, size)).collect()
+    }
+
     /// Draws the pins, each a letter in a circle, with a line to the place of one that stands beside another.
     pub(super) fn show(&self, ui: &Ui, plane: &Plane) {
         let palette = theme::palette(ui.visuals());
@@ -99,7 +105,8 @@ impl Pins {
         for (pin, at) in self.on_chart.iter().zip(&places).filter(|_| !self.is_curve) {
             painter.line_segment([*at, plane.at(pin.at)], Stroke::new(1.5, palette.text));
         }
-        for (k, (pin, at)) in self.on_chart.iter().zip(places).enumerate() {
+        for (k, (pin, rect)) in self.on_chart.iter().zip(self.marks(plane)).enumerate() {
+            let at = rect.center();
             let (fill, text) = match pin.is_of_map {
                 true => (palette.text, ui.visuals().panel_fill),
                 false => (ui.visuals().panel_fill, palette.text),
@@ -109,7 +116,6 @@ impl Pins {
                 painter.circle_stroke(at, RADIUS - 1.5, Stroke::new(1.0, text));
             }
             painter.text(at, Align2::CENTER_CENTER, &pin.letter, font.clone(), text);
-            let rect = egui::Rect::from_center_size(at, vec2(2.0 * RADIUS, 2.0 * RADIUS));
             let response = ui.interact(rect, ui.scope_id().with(("pin", k)), Sense::hover());
             set_accessible_name(&response, egui::Role::Image, &pin.words);
         }
@@ -126,7 +132,7 @@ impl Pins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::{Rect, pos2};
+    use eframe::egui::pos2;
 
     #[test]
     fn no_pin_covers_another() {
