@@ -6,6 +6,7 @@ use crate::scene::Scene;
 use crate::session::Command;
 use crate::view::camera::View;
 use crate::view::color::Quantity;
+use crate::view::cross_section::SectionPlane;
 use crate::view::place::Place;
 use eframe::egui::ThemePreference;
 
@@ -68,6 +69,8 @@ pub(super) enum Action {
     ColourBy(Quantity),
     /// Direction of the cut \[°\].
     CutAt(f32),
+    /// The plane of the cross-section.
+    ShowSection(SectionPlane),
     /// Values of the picture that stay.
     KeepValues(Place),
     /// A file by its name.

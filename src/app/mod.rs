@@ -152,6 +152,7 @@ impl App {
                 timing: Timing::default(),
                 solving: None,
                 show_strip: true,
+                chosen_plane: None,
                 research: false,
                 page_address: None,
             },

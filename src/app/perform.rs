@@ -41,6 +41,7 @@ impl App {
             Action::Resume => self.shared.session.resume(),
             Action::ColourBy(quantity) => self.shared.options.quantity = quantity,
             Action::CutAt(degrees) => self.shared.options.section_azimuth_deg = degrees,
+            Action::ShowSection(plane) => self.shared.chosen_plane = Some(plane),
             Action::KeepValues(place) => self.shared.viewport.keep_values(place),
             Action::Save(name, content) => self.files.save(ctx, &name, content),
             Action::OpenTable => self.files.open_table(ctx),

@@ -10,17 +10,18 @@ use super::theme::{self, Palette};
 use super::viewport::Outline;
 use super::widgets::group;
 use crate::curve::Curve;
-use crate::mesh::NodeKind;
+use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::{Problem, Solution};
 use crate::study::SectionBand;
+use crate::view::cross_section::SectionPlane;
 use crate::view::subject::Subject;
-use eframe::egui::{Color32, RichText, Sense, Ui};
+use eframe::egui::{self, Color32, RichText, Sense, Ui};
 use egui_plot::{
     FilledArea, GridMark, HoverPosition, Legend, Line, LineStyle, MarkerShape, Plot, PlotUi,
     Points, uniform_grid_spacer,
 };
-use glam::{DVec2, Vec2};
+use glam::{DVec2, DVec3, Vec2};
 
 /// Number of intervals of a sampled curve.
 const SAMPLES: i32 = 160;
@@ -96,10 +97,37 @@ pub(super) fn sampled(curve: &Curve, from: f64, to: f64) -> Polyline {
     strains.map(|strain| [strain, curve.stress(strain)]).collect()
 }
 
-/// Plots the section in the plane y = 0: implant, inner face and outer skin, the outer skin of the pins, and the skin of
-/// sampled patients (`band`), if any. Without a stable shape the tissue is missing.
-pub(super) fn section(ui: &mut Ui, session: &Session, compare: &Compare, band: &[SectionBand]) {
-    group(ui, tr("Cross-section"), |ui| section_chart(ui, session, compare, band, 170.0));
+/// Names of the planes of a cross-section.
+pub(super) const PLANES: [(SectionPlane, &str); 2] =
+    [(SectionPlane::Across, "midline to side"), (SectionPlane::Along, "feet to head")];
+
+/// Plots the section in a plane with a switch of the plane: implant, inner face and outer skin, the outer skin of the pins, and the
+/// skin of sampled patients (`band`), if any. Without a stable shape the tissue is missing. Returns another plane.
+pub(super) fn section(
+    ui: &mut Ui,
+    session: &Session,
+    compare: &Compare,
+    band: &[SectionBand],
+    plane: SectionPlane,
+) -> Option<SectionPlane> {
+    let mut chosen = None;
+    group(ui, tr("Cross-section"), |ui| {
+        ui.horizontal_wrapped(|ui| chosen = choose_plane(ui, plane));
+        section_chart(ui, session, compare, (band, plane), 170.0);
+    });
+    chosen
+}
+
+/// The switch of the plane; returns another plane.
+pub(super) fn choose_plane(ui: &mut Ui, plane: SectionPlane) -> Option<SectionPlane> {
+    let mut chosen = None;
+    for (other, name) in PLANES {
+        let label = egui::Button::selectable(other == plane, RichText::new(tr(name)).small());
+        if ui.add(label).clicked() {
+            chosen = Some(other).filter(|other| *other != plane);
+        }
+    }
+    chosen
 }
 
 /// The plot of [`section`] of a height \[points\], with its legend below.
@@ -107,25 +135,25 @@ pub(super) fn section_chart(
     ui: &mut Ui,
     session: &Session,
     compare: &Compare,
-    band: &[SectionBand],
+    (band, plane): (&[SectionBand], SectionPlane),
     height: f32,
 ) {
     let palette = theme::palette(ui.visuals());
     let problem = Subject::problem(session);
     let device = Device::of(ui.ctx());
     // The section as one looks at the patient: the side of a right breast is at the left.
-    let hand = plan::hand_of(session.scene());
+    let hand = hand_in(plane, session.scene());
     let seen = |line: Polyline| line.into_iter().map(|[x, z]| [hand * x, z]).collect::<Polyline>();
-    let implant = (tr("implant"), palette.accent, seen(dome_outline(problem)));
+    let implant = (tr("implant"), palette.accent, seen(dome_outline(problem, plane)));
     let tissue = (!Subject::has_no_shape(session)).then(|| {
-        let [inner, outer] = tissue_faces(session.solution()).map(seen);
+        let [inner, outer] = tissue_faces(session.solution(), plane).map(seen);
         [(tr("skin"), palette.curves[0], outer), (tr("inner face"), palette.curves[1], inner)]
     });
-    let wall = (tr("chest wall"), palette.caution, seen(wall_line(problem)));
+    let wall = (tr("chest wall"), palette.caution, seen(wall_line(problem, plane)));
     let pins: Vec<(&Pin, Color32)> = compare::drawn_pins(session, compare, palette).collect();
-    let mut silhouettes = drawn_silhouettes(session, compare, palette);
+    let mut silhouettes = drawn_silhouettes(session, compare, palette, plane);
     silhouettes.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[0] *= hand);
-    let mut band = sampled_skin(session, band);
+    let mut band = sampled_skin(session, band, plane);
     band.iter_mut().for_each(|point| point.r_mm *= hand);
     let own = tissue.iter().flatten().chain([&implant, &wall]);
     let names: Vec<(String, Color32)> = own
@@ -137,7 +165,10 @@ pub(super) fn section_chart(
         .collect();
     fixed_plot("section", height)
         .data_aspect(1.0)
-        .x_axis_label(tr("across (mm)"))
+        .x_axis_label(match plane {
+            SectionPlane::Across => tr("across (mm)"),
+            SectionPlane::Along => tr("towards the head (mm)"),
+        })
         .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
         .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
         .y_axis_label(tr("height (mm)"))
@@ -169,8 +200,24 @@ pub(super) fn section_chart(
     });
 }
 
-/// The skin's band across the plot: on both sides of a centred implant, otherwise on the side of the profile.
-pub(super) fn sampled_skin(session: &Session, band: &[SectionBand]) -> Vec<SectionBand> {
+/// +1, or −1 where the plane is seen from its other side: across a right breast.
+pub(super) fn hand_in(plane: SectionPlane, scene: &Scene) -> f64 {
+    match plane {
+        SectionPlane::Across => plan::hand_of(scene),
+        SectionPlane::Along => 1.0,
+    }
+}
+
+/// The skin's band across the plot: on both sides of a centred implant, otherwise on the side of the profile; along the body of a plan
+/// that is the same in all directions only.
+pub(super) fn sampled_skin(
+    session: &Session,
+    band: &[SectionBand],
+    plane: SectionPlane,
+) -> Vec<SectionBand> {
+    if plane == SectionPlane::Along && !session.scene().is_round() {
+        return Vec::new();
+    }
     let [x, y] = session.scene().implant.center_mm;
     let is_centred = x == 0.0 && y == 0.0;
     let mirrored = |point: &SectionBand| SectionBand { r_mm: -point.r_mm, ..*point };
@@ -193,11 +240,9 @@ fn skin_band(plot: &mut PlotUi<'_>, color: Color32, band: &[SectionBand]) {
     plot.line(median.color(color).style(LineStyle::dotted_dense()).width(1.5));
 }
 
-/// Inner and outer face of the tissue on the grid row nearest to y = 0 \[mm\].
-fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
-    let sheet = solution.problem().sheet();
-    let n = sheet.nodes_per_side();
-    let row = (n / 2 * n..(n / 2 + 1) * n).filter(|&k| sheet.kinds()[k] != NodeKind::Outside);
+/// Inner and outer face of the tissue on the grid line nearest to a plane \[mm\].
+fn tissue_faces(solution: &Solution, plane: SectionPlane) -> [Polyline; 2] {
+    let row = plane.nodes(solution.problem().sheet());
     let (x, stack) = (solution.inner(), solution.stack());
     let outer = |k: usize| {
         let along_normal = stack.thickness_mm.len() - stack.between.len();
@@ -205,9 +250,10 @@ fn tissue_faces(solution: &Solution) -> [Polyline; 2] {
         let thickness: f64 = layers.map(|t| f64::from(t[k])).sum();
         let x = stack.between.last().map_or(x[k], |face| face[k].as_dvec3());
         let normal = stack.normal[k].as_dvec3();
-        [x.x + normal.x * thickness, x.z + normal.z * thickness]
+        x + normal * thickness
     };
-    [row.clone().map(|k| [x[k].x, x[k].z]).collect(), row.map(outer).collect()]
+    let seen = |at: DVec3| [plane.distance(at.truncate()), at.z];
+    [row.clone().map(|k| seen(x[k])).collect(), row.map(|k| seen(outer(k))).collect()]
 }
 
 /// The skin of the pins in the cross-section, as far as the comparison draws it.
@@ -215,9 +261,10 @@ pub(super) fn drawn_silhouettes(
     session: &Session,
     compare: &Compare,
     palette: &Palette,
+    plane: SectionPlane,
 ) -> Vec<Silhouette> {
     let silhouette = |(pin, _): (&Pin, Color32)| {
-        let [_, points] = tissue_faces(pin.solution()?);
+        let [_, points] = tissue_faces(pin.solution()?, plane);
         Some(Silhouette { letter: pin.letter(), points })
     };
     compare::drawn_pins(session, compare, palette).filter_map(silhouette).collect()
@@ -226,7 +273,7 @@ pub(super) fn drawn_silhouettes(
 /// The outlines of the pins over the picture, but for a pin of the present scene.
 pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) -> Vec<Outline> {
     let outline = |(pin, color): (&Pin, Color32)| {
-        let [_, skin] = tissue_faces(pin.solution()?);
+        let [_, skin] = tissue_faces(pin.solution()?, SectionPlane::Across);
         let outwards = skin.into_iter().filter(|[x, _]| *x >= 0.0);
         Some(Outline {
             letter: pin.letter(),
@@ -240,28 +287,32 @@ pub(super) fn outlines(session: &Session, compare: &Compare, palette: &Palette) 
     pins.filter(|(pin, _)| !pin.scene().same_physics(session.scene())).filter_map(outline).collect()
 }
 
-/// Intersection of the dome with the plane y = 0, above the chest wall \[mm\].
-pub(super) fn dome_outline(problem: &Problem) -> Polyline {
+/// Intersection of the dome with a plane, above the chest wall \[mm\].
+pub(super) fn dome_outline(problem: &Problem, plane: SectionPlane) -> Polyline {
     let dome = &problem.obstacle.dome;
     (0..=SAMPLES)
         .map(|i| std::f64::consts::PI * f64::from(i) / f64::from(SAMPLES))
-        .map(|angle| dome.outline(0.0, angle))
+        .map(|angle| match plane {
+            SectionPlane::Across => dome.outline(0.0, angle),
+            SectionPlane::Along => dome.outline_along(0.0, angle),
+        })
         .filter(|point| point.y >= -1e-9)
-        .map(|point| [point.x, point.y + wall_height(problem, point.x)])
+        .map(|point| [point.x, point.y + wall_height(problem, plane.place(point.x))])
         .collect()
 }
 
-/// Height of the chest wall in the plane y = 0 \[mm\].
-pub(super) fn wall_height(problem: &Problem, x: f64) -> f64 {
-    problem.obstacle.wall.0.height(DVec2::new(x, 0.0))
+/// Height of the chest wall at a place \[mm\].
+pub(super) fn wall_height(problem: &Problem, place: DVec2) -> f64 {
+    problem.obstacle.wall.0.height(place)
 }
 
-/// The chest wall under the patch in the plane y = 0 \[mm\].
-pub(super) fn wall_line(problem: &Problem) -> Polyline {
+/// The chest wall under the patch in a plane \[mm\].
+pub(super) fn wall_line(problem: &Problem, plane: SectionPlane) -> Polyline {
     let radius = problem.sheet().radius_mm();
     let place = |i: i32| radius * (2.0 * f64::from(i) / f64::from(SAMPLES) - 1.0);
-    let foot = |s: f64| problem.obstacle.wall.0.foot_and_normal(DVec2::new(s, 0.0)).0;
-    (0..=SAMPLES).map(|i| foot(place(i))).map(|foot| [foot.x, foot.z]).collect()
+    let foot = |s: f64| problem.obstacle.wall.0.foot_and_normal(plane.place(s)).0;
+    let seen = |foot: DVec3| [plane.distance(foot.truncate()), foot.z];
+    (0..=SAMPLES).map(|i| seen(foot(place(i)))).collect()
 }
 
 /// A plot without interaction, so that the Tab key skips it.

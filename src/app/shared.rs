@@ -8,6 +8,7 @@ use super::uncertainty::Uncertainty;
 use super::viewport::{Options, Viewport};
 use super::volume_marks::VolumeMarks;
 use crate::session::Session;
+use crate::view::cross_section::SectionPlane;
 use web_time::{Duration, Instant};
 
 /// Time of a solve after which the app shows its progress and hides the previous results.
@@ -37,6 +38,8 @@ pub(super) struct Shared {
     pub(super) solving: Option<RunningSolve>,
     /// Is the cross-section shown under the picture where there is room?
     pub(super) show_strip: bool,
+    /// The chosen plane of the cross-section.
+    pub(super) chosen_plane: Option<SectionPlane>,
     /// Is the switch "Research" on?
     pub(super) research: bool,
     /// Address of the page without its fragment; `None` on the desktop.
@@ -44,6 +47,11 @@ pub(super) struct Shared {
 }
 
 impl Shared {
+    /// The plane of the cross-section: the chosen one, else that in which the implant shows its shape.
+    pub(super) fn section_plane(&self) -> SectionPlane {
+        self.chosen_plane.unwrap_or_else(|| SectionPlane::of(self.session.scene()))
+    }
+
     /// Has a solve been running for more than a time?
     fn is_solving_for(&self, time: Duration) -> bool {
         self.session.is_working()

@@ -3,7 +3,6 @@
 //! Uses `compare`, `plots`, `shared`, `theme`, `viewport`. Used by `ui`.
 
 use super::compare::{self, Silhouette};
-use super::plan;
 use super::plots;
 use super::shared::Shared;
 use super::texts::{self, tr};
@@ -11,12 +10,11 @@ use super::theme;
 use super::uncertainty::Findings;
 use super::viewport::{scale_bar, veil};
 use super::widgets::set_accessible_name;
-use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::SectionBand;
 use crate::view::body::Body;
 use crate::view::color;
-use crate::view::cross_section::CrossSection;
+use crate::view::cross_section::{CrossSection, SectionPlane};
 use crate::view::pick::{Hit, Target};
 use crate::view::place as tissue;
 use crate::view::subject::{Between, LastAnswer, Subject};
@@ -24,7 +22,7 @@ use eframe::egui::{
     self, Align2, Color32, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2,
     vec2,
 };
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// Name of the strip, and of its switch.
 pub(super) const CROSS_SECTION: &str = "Cross-section";
@@ -72,8 +70,32 @@ pub(super) fn area(picture: Rect) -> Rect {
     picture.with_min_y(picture.bottom() - HEIGHT)
 }
 
-/// Shows the strip, after its picture; returns a clicked point of the tissue, whose values stay.
+/// What the user does with the strip.
+#[derive(Default)]
+pub(super) struct Done {
+    /// A clicked point of the tissue, whose values stay.
+    pub(super) kept: Option<tissue::Place>,
+    /// Another plane.
+    pub(super) plane: Option<SectionPlane>,
+}
+
+/// Shows the strip with the switch of its plane, after its picture.
 pub(super) fn show(
+    ui: &mut Ui,
+    area: Rect,
+    shared: &Shared,
+    between: Option<Between<'_>>,
+    scale: &mut Scale,
+) -> Done {
+    let kept = content(ui, area, shared, between, scale);
+    let room = area.shrink2(vec2(theme::SPACE, 3.0));
+    let layout = egui::Layout::right_to_left(egui::Align::Min);
+    let builder = egui::UiBuilder::new().id_salt("plane").max_rect(room).layout(layout);
+    let plane = plots::choose_plane(&mut ui.new_child(builder), shared.section_plane());
+    Done { kept, plane }
+}
+
+fn content(
     ui: &Ui,
     area: Rect,
     shared: &Shared,
@@ -105,12 +127,12 @@ fn strip_of(
     // Without focus: the keys act on the picture.
     let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
     set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
-    let problem = subject.problem();
-    let section = CrossSection::new(shared.viewport.body(), problem.sheet());
-    let pins =
-        plots::drawn_silhouettes(&shared.session, &shared.compare, theme::palette(ui.visuals()));
+    let (problem, plane) = (subject.problem(), shared.section_plane());
+    let section = CrossSection::new(shared.viewport.body(), problem.sheet(), plane);
+    let palette = theme::palette(ui.visuals());
+    let pins = plots::drawn_silhouettes(&shared.session, &shared.compare, palette, plane);
     let pins = first_and_last(pins);
-    let place = Place::new(area, (subject.scene(), problem), &section, &pins, scale);
+    let place = Place::new(area, (subject, plane), &section, &pins, scale);
     let painter = ui.painter_at(area);
     paint_ground(ui, &painter, area);
     paint_wall(ui, &painter, &place, problem);
@@ -122,7 +144,7 @@ fn strip_of(
         paint_implant(ui, &painter, &place, subject);
         paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
         let band = shared.uncertainty.findings().map_or(&[][..], Findings::section);
-        let band = plots::sampled_skin(&shared.session, band);
+        let band = plots::sampled_skin(&shared.session, band, plane);
         paint_band(ui, &painter, &place, &band);
         let layers = (0..subject.scene().layers.len()).map(tissue);
         let accent = theme::palette(ui.visuals()).accent;
@@ -138,7 +160,7 @@ fn strip_of(
     let is_clicked = response.clicked();
     let pointer = if is_clicked { response.interact_pointer_pos() } else { response.hover_pos() };
     let pointer = pointer.filter(|_| !shared.viewport.has_ruler())?;
-    let hit = hit(place.point(pointer), &section, shared.viewport.body(), problem)?;
+    let hit = hit(place.point(pointer), (&section, plane), shared.viewport.body(), problem)?;
     let kept = shared.viewport.show_values(ui, area, pointer, &hit, subject.scene());
     kept.filter(|_| is_clicked)
 }
@@ -159,22 +181,24 @@ struct Place {
     points_per_mm: f32,
     /// Half of the drawn width \[mm\].
     reach_mm: f32,
-    /// +1: the patient's side is at the right; of a right breast −1.
+    /// +1: the patient's side or head is at the right; the side of a right breast −1.
     hand: f32,
+    plane: SectionPlane,
 }
 
 impl Place {
     fn new(
         area: Rect,
-        (scene, problem): (&Scene, &Problem),
+        (subject, plane): (&impl Subject, SectionPlane),
         section: &CrossSection,
         pins: &[Silhouette],
         scale: &mut Scale,
     ) -> Self {
+        let problem = subject.problem();
         let radius = problem.sheet().radius_mm() as f32;
         let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
         let highest = highest.fold(section.height(), f32::max);
-        let wall = plots::wall_line(problem).into_iter().map(|[_, z]| z as f32);
+        let wall = plots::wall_line(problem, plane).into_iter().map(|[_, z]| z as f32);
         let lowest = wall.fold(section.depth(), f32::min);
         scale.fit(highest - lowest, radius);
         let room = area.shrink2(vec2(2.0 * theme::SPACE, theme::SPACE));
@@ -186,7 +210,8 @@ impl Place {
             origin: pos2(room.center().x, room.bottom() - below + lowest * points_per_mm),
             points_per_mm,
             reach_mm: radius,
-            hand: plan::hand_of(scene) as f32,
+            hand: plots::hand_in(plane, subject.scene()) as f32,
+            plane,
         }
     }
 
@@ -194,7 +219,7 @@ impl Place {
         self.origin + self.points_per_mm * vec2(self.hand * point.x, -point.y)
     }
 
-    /// The point (x, z) of the plane at a position \[mm\].
+    /// The point (distance, z) of the plane at a position \[mm\].
     fn point(&self, at: Pos2) -> Vec2 {
         let offset = (at - self.origin) / self.points_per_mm;
         Vec2::new(self.hand * offset.x, -offset.y)
@@ -205,23 +230,33 @@ impl Place {
     }
 }
 
-/// What is at a point (x, z) of the section; `None` outside of tissue and implant.
-fn hit(point: Vec2, section: &CrossSection, body: &Body, problem: &Problem) -> Option<Hit> {
+/// What is at a point (distance, z) of the section; `None` outside of tissue and implant.
+fn hit(
+    point: Vec2,
+    (section, plane): (&CrossSection, SectionPlane),
+    body: &Body,
+    problem: &Problem,
+) -> Option<Hit> {
     let dome = &problem.obstacle.dome;
     let target = match section.layer_at(point) {
         Some(layer) => Target::Cut(layer),
         None => {
-            let [x, z] = point.to_array().map(f64::from);
-            let at = DVec3::new(x, 0.0, z);
+            let [s, z] = point.to_array().map(f64::from);
+            let at = plane.place(s).extend(z);
             let is_inside = problem.obstacle.wall.gap(at) >= 0.0 && dome.contains(at);
             is_inside.then_some(Target::Implant)?
         }
     };
     // The row's nodes leave the plane where the implant is off centre.
     let level = body.levels.first()?;
-    let near = |k: &&usize| level[**k].x - point.x;
+    let near = |k: &&usize| plane.point(level[**k]).x - point.x;
     let column = section.columns.iter().min_by(|a, b| near(a).abs().total_cmp(&near(b).abs()))?;
-    Some(Hit { point: Vec3::new(point.x, level[*column].y, point.y), target })
+    let column = level[*column];
+    let point = match plane {
+        SectionPlane::Across => Vec3::new(point.x, column.y, point.y),
+        SectionPlane::Along => Vec3::new(column.x, point.x, point.y),
+    };
+    Some(Hit { point, target })
 }
 
 fn color32(color: color::Rgb) -> Color32 {
@@ -241,11 +276,11 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
     let font = TextStyle::Small.resolve(ui.style());
     // At a length along the wall.
     let at = |s: f32| {
-        let foot = problem.obstacle.wall.0.foot_and_normal(DVec2::new(f64::from(s), 0.0)).0;
-        place.at(Vec2::new(foot.x as f32, foot.z as f32))
+        let foot = problem.obstacle.wall.0.foot_and_normal(place.plane.place(f64::from(s))).0;
+        place.at(place.plane.point(foot.as_vec3()))
     };
     let wall = Stroke::new(1.0, palette.edge);
-    painter.add(Shape::line(place.line(&plots::wall_line(problem)), wall));
+    painter.add(Shape::line(place.line(&plots::wall_line(problem, place.plane)), wall));
     let pocket = problem.patch.pocket_radius_mm as f32;
     let line = Stroke::new(2.0, palette.text);
     for x in [-pocket, pocket] {
@@ -257,7 +292,10 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
     let weak = visuals.weak_text_color();
     below(0.0, Align2::CENTER_TOP, tr("pocket"), palette.text);
     let (left, right) = (-place.hand * place.reach_mm, place.hand * place.reach_mm);
-    let words = [tr("midline"), tr("side")];
+    let words = match place.plane {
+        SectionPlane::Across => [tr("midline"), tr("side")],
+        SectionPlane::Along => [tr("feet"), tr("head")],
+    };
     let [at_left, at_right] = if place.hand > 0.0 { words } else { [words[1], words[0]] };
     below(left, Align2::LEFT_TOP, at_left, weak);
     below(right, Align2::RIGHT_TOP, at_right, weak);
@@ -265,14 +303,15 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
 
 fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, subject: &impl Subject) {
     let problem = subject.problem();
-    let mut outline = plots::dome_outline(problem);
+    let mut outline = plots::dome_outline(problem, place.plane);
     if let Some((to, part)) = subject.toward() {
-        let others = plots::dome_outline(to.solution().problem());
+        let others = plots::dome_outline(to.solution().problem(), place.plane);
         for (point, other) in outline.iter_mut().zip(others) {
             *point = [0, 1].map(|k| point[k] + f64::from(part) * (other[k] - point[k]));
         }
     }
-    let foot = |point: &[f64; 2]| [point[0], plots::wall_height(problem, point[0])];
+    let foot =
+        |point: &[f64; 2]| [point[0], plots::wall_height(problem, place.plane.place(point[0]))];
     let base: Vec<[f64; 2]> = outline.iter().rev().map(foot).collect();
     let accent = theme::palette(ui.visuals()).accent;
     // A draped implant is not convex: strips from the wall to the surface.

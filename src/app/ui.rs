@@ -220,9 +220,10 @@ impl App {
     }
 
     /// The fold with numbers, cross-section and curves.
-    fn details(&self, ui: &mut Ui, layout: Layout) {
+    fn details(&mut self, ui: &mut Ui, layout: Layout) {
         let shared = &self.shared;
         let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
+        let mut chosen = None;
         egui::CollapsingHeader::new(tr("Details")).id_salt("details").show_unindented(ui, |ui| {
             let outcome = answer::visible(&shared.session, previous);
             match outcome.filter(|outcome| outcome.status != Status::Unstable) {
@@ -236,12 +237,14 @@ impl App {
             let band = findings.map_or(&[][..], Findings::section);
             // In sight under the picture where there is room.
             if !self.has_strip(ui.ctx(), layout) {
-                plots::section(ui, &shared.session, &shared.compare, band);
+                let (session, plane) = (&shared.session, shared.section_plane());
+                chosen = plots::section(ui, session, &shared.compare, band, plane);
             }
             if shared.research {
                 plots::curves(ui, &shared.session, previous);
             }
         });
+        self.actions.extend(chosen.map(Action::ShowSection));
     }
 
     /// State of the computation and model; on a narrow screen the words that are always in sight.
@@ -404,14 +407,15 @@ impl App {
             }
         }
         if let Some(strip) = strip {
-            let kept = strip::show(
+            let done = strip::show(
                 ui,
                 strip,
                 &self.shared,
                 self.insertion.shown(),
                 &mut self.screen.strip,
             );
-            self.actions.extend(kept.map(Action::KeepValues));
+            self.actions.extend(done.kept.map(Action::KeepValues));
+            self.actions.extend(done.plane.map(Action::ShowSection));
         }
         self.show_notice(ui, area);
     }

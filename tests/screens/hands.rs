@@ -108,6 +108,50 @@ fn the_cross_section_is_in_sight_once_and_its_switch_is_kept() {
     assert!(has_strip(&next));
 }
 
+/// The chosen plane of the cross-section.
+fn section_plane(harness: &Harness<'static, App>) -> &'static str {
+    let is_chosen = |name: &&str| {
+        let switch = harness.get_by_role_and_label(Role::Button, name).accesskit_node();
+        switch.toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    let mut chosen = ["midline to side", "feet to head"].into_iter().filter(is_chosen);
+    chosen.next().filter(|_| chosen.next().is_none()).unwrap()
+}
+
+#[test]
+fn the_cross_section_has_the_plane_of_the_implants_shape_or_a_chosen_one() {
+    for size in [DESKTOP, vec2(1440.0, 700.0)] {
+        let mut harness = app(size, |_| {});
+        unfold(&mut harness, "Details");
+        assert_eq!(section_plane(&harness), "midline to side");
+        let mut anatomical = harness.state().session().scene().clone();
+        anatomical.implant.base_height_mm = Some(130.0);
+        anatomical.implant.apex_shift_mm = 15.0;
+        anatomical.pocket_radius_mm = 75.0;
+        harness.state_mut().open(anatomical.to_json()).unwrap();
+        settle(&mut harness);
+        assert_eq!(section_plane(&harness), "feet to head");
+        harness.get_by_role_and_label(Role::Button, "midline to side").scroll_to_me();
+        harness.run();
+        press(&mut harness, "midline to side");
+        assert_eq!(section_plane(&harness), "midline to side");
+        press(&mut harness, "feet to head");
+        assert_eq!(section_plane(&harness), "feet to head");
+        if size == DESKTOP {
+            // The words of the pointer are those of the section along the body.
+            let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
+            let mut read = Vec::new();
+            for up in 0..40 {
+                harness.hover_at(strip.center_bottom() - vec2(-51.0, 26.0 + 2.5 * up as f32));
+                harness.run();
+                read.extend(reading(&harness, "Values at the pointer"));
+            }
+            assert!(read.iter().any(|line| line.contains("Implant, ")), "{read:?}");
+            assert!(read.iter().any(|line| line.contains("In fat")), "{read:?}");
+        }
+    }
+}
+
 #[test]
 fn without_room_the_cross_section_is_among_the_details() {
     for size in [vec2(1440.0, 700.0), PHONE] {

@@ -1,13 +1,65 @@
-//! The cross-section of the drawn tissue through the pocket's centre: columns on the grid's row of y = 0.
+//! The cross-section of the drawn tissue through the pocket's centre: columns on the grid's row of y = 0, or of x = 0.
 
 use crate::body::Body;
-use glam::Vec2;
+use glam::{DVec2, Vec2, Vec3};
 use implant_preview_core::mesh::{NodeKind, Sheet};
+use implant_preview_core::scene::Scene;
 
-/// Tissue in the plane y = 0. Points are (x, z) \[mm\], from the midline to the side.
+/// The plane of a cross-section, upright on the chest wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SectionPlane {
+    /// y = 0: from the midline to the side.
+    Across,
+    /// x = 0: from the feet to the head.
+    Along,
+}
+
+impl SectionPlane {
+    /// The plane in which the implant of a scene shows its shape.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        if scene.implant.is_round() { Self::Across } else { Self::Along }
+    }
+
+    /// The place (x, y) in the plane at a distance from the pocket's centre \[mm\].
+    #[must_use]
+    pub fn place(self, distance: f64) -> DVec2 {
+        match self {
+            Self::Across => DVec2::new(distance, 0.0),
+            Self::Along => DVec2::new(0.0, distance),
+        }
+    }
+
+    /// The distance of a place (x, y) from the pocket's centre along the plane \[mm\].
+    #[must_use]
+    pub fn distance(self, place: DVec2) -> f64 {
+        match self {
+            Self::Across => place.x,
+            Self::Along => place.y,
+        }
+    }
+
+    /// The nodes of a sheet nearest to the plane, in the order of their distances.
+    pub fn nodes(self, sheet: &Sheet) -> impl Iterator<Item = usize> + Clone + '_ {
+        let n = sheet.nodes_per_side();
+        let node = move |k: usize| match self {
+            Self::Across => n / 2 * n + k,
+            Self::Along => k * n + n / 2,
+        };
+        (0..n).map(node).filter(|&k| sheet.kinds()[k] != NodeKind::Outside)
+    }
+
+    /// A point (distance, z) of the plane from a point (x, y, z).
+    #[must_use]
+    pub fn point(self, at: Vec3) -> Vec2 {
+        Vec2::new(self.distance(at.truncate().as_dvec2()) as f32, at.z)
+    }
+}
+
+/// Tissue in a plane. Points are (distance from the pocket's centre, z) \[mm\].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CrossSection {
-    /// Columns of the body, with increasing x at rest.
+    /// Columns of the body, with increasing distance at rest.
     pub columns: Vec<usize>,
     /// Points of the columns, from the skin's outer surface to the inner face.
     pub levels: Vec<Vec<Vec2>>,
@@ -18,16 +70,13 @@ pub struct CrossSection {
 impl CrossSection {
     /// The cross-section of a body on a sheet; empty without tissue or with the sheet of another body.
     #[must_use]
-    pub fn new(body: &Body, sheet: &Sheet) -> Self {
+    pub fn new(body: &Body, sheet: &Sheet, plane: SectionPlane) -> Self {
         let n = sheet.nodes_per_side();
         if body.is_empty() || body.nodes_per_side != n {
             return Self::default();
         }
-        let row = n / 2 * n..(n / 2 + 1) * n;
-        let columns: Vec<usize> = row.filter(|&k| sheet.kinds()[k] != NodeKind::Outside).collect();
-        let points = |level: &Vec<glam::Vec3>| {
-            columns.iter().map(|&k| Vec2::new(level[k].x, level[k].z)).collect()
-        };
+        let columns: Vec<usize> = plane.nodes(sheet).collect();
+        let points = |level: &Vec<Vec3>| columns.iter().map(|&k| plane.point(level[k])).collect();
         Self {
             levels: body.levels.iter().map(points).collect(),
             layers: body.slabs.iter().map(|slab| slab.layer).collect(),
@@ -80,9 +129,11 @@ mod tests {
 
     #[test]
     fn the_layers_lie_over_each_other_and_a_point_has_its_layer() {
-        for (session, body) in both() {
+        let planes = [SectionPlane::Across, SectionPlane::Along];
+        for (session, body, plane) in both().iter().flat_map(|(s, b)| planes.map(|p| (s, b, p))) {
             let sheet = session.problem().sheet();
-            let section = CrossSection::new(&body, sheet);
+            let section = CrossSection::new(body, sheet, plane);
+            assert!(section.skin().windows(2).all(|pair| pair[0].x < pair[1].x));
             assert_eq!(section.columns.len(), 33);
             assert!((section.height() - body.height()).abs() < 1e-3, "the apex is in the plane");
             let apex = |level: usize| section.levels[level][16];
@@ -101,7 +152,7 @@ mod tests {
     #[test]
     fn without_tissue_nothing_is_drawn() {
         let sheet = Sheet::new(9, 50.0);
-        let section = CrossSection::new(&Body::default(), &sheet);
+        let section = CrossSection::new(&Body::default(), &sheet, SectionPlane::Across);
         assert_eq!(section, CrossSection::default());
         assert_eq!((section.skin().len(), section.quads().count()), (0, 0));
     }

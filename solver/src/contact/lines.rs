@@ -63,6 +63,18 @@ impl Dome {
         )
     }
 
+    /// The dome's outline in the plane of a given x at a parameter from 0 (greatest y) to π: y and height above the wall \[mm\].
+    #[must_use]
+    pub fn outline_along(&self, x: f64, angle: f64) -> DVec2 {
+        let exponent = self.exponent().unwrap_or(2.0);
+        let offset = (x - self.center.x) / self.base_radius;
+        let square = (1.0 - offset * offset).max(0.0);
+        let share = square.powf(exponent.recip()) * angle.sin();
+        let half = self.base_along * (square - share.abs().powf(exponent)).max(0.0).sqrt();
+        let height = self.base_height + self.projection * share;
+        DVec2::new(self.axis(height).y + half.copysign(angle.cos()), height)
+    }
+
     /// [`Self::outline`] of a fuller or leaner dome in the plane of a distance from its centre along the body: from the height at which the
     /// section is widest to its top.
     fn section(&self, y: f64, exponent: f64, angle: f64) -> DVec2 {
@@ -118,6 +130,16 @@ mod tests {
             for point in dome.circles(12, 24) {
                 assert!(dome.gauge(point).abs() < 1e-12);
                 assert!((-1e-9..=dome.top() + 1e-9).contains(&above(point)));
+            }
+            for x in [-30.0, 4.0, 25.0] {
+                let ends = [0.0, PI].map(|angle| dome.outline_along(x, angle));
+                assert!(ends[0].x > ends[1].x && (ends[0].y - ends[1].y).abs() < 1e-9);
+                for k in 0..=16 {
+                    let place = dome.outline_along(x, PI * f64::from(k) / 16.0);
+                    let point = DVec3::new(x, place.x, place.y);
+                    let point = point + dome.chest.height(point.truncate()) * DVec3::Z;
+                    assert!(dome.gauge(point).abs() < 1e-9, "{}", dome.gauge(point));
+                }
             }
             for y in [-30.0, 4.0, 25.0] {
                 for k in 0..=16 {

@@ -24,6 +24,7 @@ use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::study::volume_and_width;
 use crate::view::camera::Standing;
+use crate::view::cross_section::SectionPlane;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
 use page::{Page, Picture};
@@ -107,13 +108,22 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
             let name = tr("Pins and plan side by side");
             pins = Some(take(name, PINS, &mut |ui| viewport.show_side_by_side(ui, shown))?);
         }
-        let size = if range.is_ok() { HALF } else { SECTION };
-        let section = take(tr("Cross-section"), size, &mut |ui| {
-            egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
-                plots::section_chart(ui, session, compare, section, size.0.y - 48.0);
-            });
-        })?;
-        let mut further = vec![section];
+        // An anatomical implant has a shape of its own in each plane.
+        let is_round = session.scene().implant.is_round();
+        let size = if range.is_ok() || !is_round { HALF } else { SECTION };
+        let mut further = Vec::new();
+        for (plane, words) in plots::PLANES.into_iter().rev() {
+            let name = match (is_round, plane) {
+                (true, SectionPlane::Along) => continue,
+                (true, SectionPlane::Across) => tr("Cross-section").to_owned(),
+                (false, _) => format!("{}, {}", tr("Cross-section"), tr(words)),
+            };
+            further.push(take(&name, size, &mut |ui| {
+                egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
+                    plots::section_chart(ui, session, compare, (section, plane), size.0.y - 48.0);
+                });
+            })?);
+        }
         let mut range = match range {
             Ok(range) => range,
             Err(how) => {
