@@ -6,10 +6,11 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use dhat::HeapStats;
+use implant_preview::measure::bands::SkinLimits;
 use implant_preview::scene::Scene;
 use implant_preview::session::Session;
 use implant_preview::solve::{Method, Options, Problem, Progress, Solver, Verdict};
-use implant_preview::view::color::Quantity;
+use implant_preview::view::color::{Colouring, Quantity};
 use implant_preview::view::picture::Picture;
 use implant_preview::view::section::{Opening, Section};
 use serde_json::json;
@@ -137,7 +138,12 @@ fn draw_in_the_room_of_an_older_picture() {
     for k in 0..12 {
         let quantity = [Quantity::Strain, Quantity::AreaStretch][k % 2];
         let before = HeapStats::get();
-        assert!(picture.update(&session, quantity, section, &|| 0.0));
+        assert!(picture.update(
+            &session,
+            Colouring { quantity, skin: SkinLimits::Tearing },
+            section,
+            &|| 0.0
+        ));
         let after = HeapStats::get();
         let vertices = size_of_val(picture.meshes[0].vertices.as_slice()) as u64;
         assert!(vertices > 1_000_000);

@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::clinical::Measurements;
+use implant_preview::measure::bands::SkinLimits;
 use implant_preview::measure::{Field, Status};
 use implant_preview::scene::{CellsThrough, Layer, Scene, Springs};
 use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::{Displayed, Method, Options, Progress, Solver};
-use implant_preview::view::color::Quantity;
+use implant_preview::view::color::{Colouring, Quantity};
 use implant_preview::view::picture::Picture;
 use implant_preview::view::section::{Opening, Section};
 
@@ -152,7 +153,12 @@ fn meshes(picture: &mut Picture, step: impl FnOnce(&mut Picture)) -> u64 {
 /// The work of a frame: an update of the picture.
 fn draw(picture: &mut Picture, session: &Session, quantity: Quantity, angle: f32) {
     let section = Section { opening: Opening::Wedge, angle, axis: glam::Vec2::ZERO };
-    assert!(picture.update(session, quantity, section, &|| 0.0));
+    assert!(picture.update(
+        session,
+        Colouring { quantity, skin: SkinLimits::Tearing },
+        section,
+        &|| 0.0
+    ));
 }
 
 #[test]

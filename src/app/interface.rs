@@ -7,7 +7,7 @@ use super::shared::Shared;
 use super::stats::Stats;
 use super::texts::{Language, language, set_language, shown, tr};
 use super::{App, answer, controls, link};
-use crate::clinical::Shelf;
+use crate::clinical::{PracticeTable, Shelf};
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::scene::pins::{pins_from_json, pins_json};
@@ -49,9 +49,12 @@ impl App {
     /// The answer in a few sentences, for screen readers; before it the chosen point of the range of implants.
     #[must_use]
     pub fn summary(&self) -> String {
-        let answer = answer::summary(&self.shared.session, self.shared.choices.device)
-            + &self.panels.nearest.summary(&self.shared.session)
-            + &self.shared.volume_marks.largest_in_words()
+        let answer = answer::summary(
+            &self.shared.session,
+            &self.shared.practices,
+            self.shared.choices.device,
+        ) + &self.panels.nearest.summary(&self.shared.session)
+            + &self.shared.volume_marks.largest_in_words(&self.shared.practices)
             + &self.shared.uncertainty.summary()
             + &self.pinned();
         self.panels.range.summary().map_or(answer.clone(), |point| format!("{point} {answer}"))
@@ -183,6 +186,32 @@ impl App {
         is_due(&mut self.keep.shelf_due, is_closing).then(|| self.panels.range.sizes.shelf.to_csv())
     }
 
+    /// Restores the practice table from the text of [`Self::take_practice_table_to_store`]. An invalid text is ignored with a notice.
+    pub fn restore_practice_table(&mut self, text: &str) {
+        if text.is_empty() {
+            return;
+        }
+        match PracticeTable::from_csv(text) {
+            Ok(table) => {
+                self.shared.practices.set_table(table);
+                self.keep.practice = self.shared.practices.revision();
+            }
+            Err(error) => {
+                self.notice = Some(Notice::caution(tr!(
+                    "The kept practice table was not read: {error}",
+                    error = shown(&error)
+                )));
+            }
+        }
+    }
+
+    /// The practice table as text for the storage, as [`Self::take_pins_to_store`]; empty for the built-in one.
+    pub fn take_practice_table_to_store(&mut self, is_closing: bool) -> Option<String> {
+        let table = self.shared.practices.table();
+        let text = || if table.is_built_in() { String::new() } else { table.to_csv() };
+        is_due(&mut self.keep.practice_due, is_closing).then(text)
+    }
+
     /// The pins as text for the storage, once after each change: after a short delay, or at once if the app
     /// `is_closing`.
     pub fn take_pins_to_store(&mut self, is_closing: bool) -> Option<String> {
@@ -235,6 +264,12 @@ impl App {
         if shelf != self.keep.shelf {
             self.keep.shelf = shelf;
             self.keep.shelf_due = Some(due);
+            is_changed = true;
+        }
+        let practice = self.shared.practices.revision();
+        if practice != self.keep.practice {
+            self.keep.practice = practice;
+            self.keep.practice_due = Some(due);
             is_changed = true;
         }
         if is_changed {

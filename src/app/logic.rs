@@ -8,9 +8,10 @@ use super::status::SliceOf;
 use super::texts::{self, tr};
 use super::widgets::note_cancelled_press;
 use super::{App, Panels, commands, keys, opened, plan, research, theme, toolbar};
+use crate::clinical::is_practice_table;
 use crate::measure::no_shape;
 use crate::scene::Scene;
-use crate::session::{Command, CommandError};
+use crate::session::{Command, CommandError, Pin};
 use crate::solve::Progress;
 use crate::view::camera::View;
 use eframe::egui::{self, Key, Modifiers, Rect, Ui};
@@ -179,20 +180,25 @@ impl App {
         let is_working = self.shared.session.is_working();
         self.studies.poll(ctx, is_working && !self.shared.is_long());
         let Self { shared, studies, panels, .. } = self;
-        let Shared { session, choices, uncertainty, volume_marks, .. } = shared;
+        let Shared { session, choices, uncertainty, volume_marks, practices, .. } = shared;
         let Panels { range, filling, nearest, shelf_largest } = panels;
         let scene = session.scene();
         studies.share(session);
-        range.advance(ctx, scene, studies);
         // What is not known is sampled after an edit and its solve.
         let is_held = ctx.input(|input| input.pointer.any_down());
         let is_busy = is_working || self.insertion.is_playing() || is_held;
+        let pins = session.pins().iter().map(Pin::scene);
+        let wanted = std::iter::once(scene).chain(volume_marks.beside()).chain(pins);
+        let wanted: Vec<&Scene> =
+            wanted.chain(range.wanted()).chain(shelf_largest.wanted()).collect();
+        practices.advance(&wanted, choices.device, studies, is_busy);
+        range.advance(ctx, scene, practices, studies);
         filling.advance(scene, choices.device, studies, is_busy);
         let sizes = &range.sizes;
         volume_marks.want_after_rest(ctx, is_busy);
         let bands = uncertainty.choices(scene);
-        volume_marks.advance((scene, &sizes.shelf), bands, studies, is_busy);
-        shelf_largest.advance(scene, sizes, studies, is_busy);
+        volume_marks.advance((scene, &sizes.shelf), bands, practices, studies, is_busy);
+        shelf_largest.advance(scene, sizes, practices, studies, is_busy);
         uncertainty.advance(session, studies, ctx, is_busy);
         nearest.advance(session, studies, is_busy);
     }
@@ -305,7 +311,7 @@ impl App {
                 FileEvent::Opened { name, text } if is_table(&name) => {
                     match &mut self.windows.curve_window {
                         Some(window) => window.read_file(&name, text),
-                        None => match self.panels.range.read_shelf(&name, &text) {
+                        None => match self.read_table(&name, &text) {
                             Some(notice) => notice,
                             None => continue,
                         },
@@ -320,6 +326,26 @@ impl App {
                 FileEvent::Failed(error) => Notice::error(error),
             });
         }
+    }
+
+    /// Takes a practice table, or opens the preview of a table of sizes. Returns what there is to say.
+    pub(super) fn read_table(&mut self, name: &str, text: &str) -> Option<Notice> {
+        if is_practice_table(text) {
+            let practices = &mut self.shared.practices;
+            return Some(match practices.read(text) {
+                Ok(()) => Notice::info(tr!(
+                    "The practice table of {name} is in use: {rows} base widths.",
+                    name,
+                    rows = practices.table().starts().len()
+                )),
+                Err(error) => Notice::error(tr!(
+                    "{name} was not read; the practice table is unchanged. {error}.",
+                    name,
+                    error = texts::shown(&error)
+                )),
+            });
+        }
+        self.panels.range.read_shelf(name, text)
     }
 
     /// Shows all of an opened plan. Returns the notice: `done`, or why what has the `name` was not opened.

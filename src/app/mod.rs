@@ -5,7 +5,7 @@
 //! milliseconds between the plan and what shows its results. At rest the app neither solves nor draws.
 //!
 //! This file and `interface` contain the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `perform` executes actions, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
+//! frames, `perform` executes actions, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `practice` with what practice takes, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
 //! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it, `insertion` plays the push of the implant into its place.
@@ -45,6 +45,7 @@ mod panel_widths;
 mod perform;
 mod plan;
 mod plots;
+mod practice;
 mod range;
 mod report;
 mod research;
@@ -85,6 +86,7 @@ use insertion::Insertion;
 use logic::Edits;
 use messages::Notice;
 use no_answer::NearestSearch;
+use practice::Practices;
 use range::Range;
 use shared::Shared;
 use shelf_largest::ShelfLargest;
@@ -149,6 +151,7 @@ impl App {
                 compare: Compare::default(),
                 uncertainty: Uncertainty::default(),
                 volume_marks: VolumeMarks::default(),
+                practices: Practices::default(),
                 timing: Timing::default(),
                 solving: None,
                 show_strip: true,

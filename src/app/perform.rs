@@ -46,7 +46,7 @@ impl App {
             Action::Save(name, content) => self.files.save(ctx, &name, content),
             Action::OpenTable => self.files.open_table(ctx),
             Action::ReadShelf(name, text) => {
-                self.notice = self.panels.range.read_shelf(&name, &text).or(self.notice.take());
+                self.notice = self.read_table(&name, &text).or(self.notice.take());
             }
             Action::Notify(notice) => self.notice = Some(notice),
             Action::CloseNotice => self.notice = None,

@@ -3,6 +3,7 @@
 use super::answer::PreviousResults;
 use super::compare::Compare;
 use super::plan::Choices;
+use super::practice::Practices;
 use super::status::Timing;
 use super::uncertainty::Uncertainty;
 use super::viewport::{Options, Viewport};
@@ -34,6 +35,7 @@ pub(super) struct Shared {
     pub(super) compare: Compare,
     pub(super) uncertainty: Uncertainty,
     pub(super) volume_marks: VolumeMarks,
+    pub(super) practices: Practices,
     pub(super) timing: Timing,
     pub(super) solving: Option<RunningSolve>,
     /// Is the cross-section shown under the picture where there is room?

@@ -11,6 +11,7 @@ use super::texts::tr;
 use super::toolbar::{Layout, disclaimer};
 use super::uncertainty::Findings;
 use super::viewport::Shown;
+use super::volume_marks::headline;
 use super::{App, advanced, answer, compare, details, messages, no_answer, plan, plots};
 use super::{status, strip, theme, toolbar, view_bar};
 use crate::measure::Status;
@@ -113,7 +114,8 @@ impl App {
         sheet.resizable(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = theme::SPACE_SMALL;
             let findings = self.shared.uncertainty.findings();
-            answer::show_short(ui, &self.shared.session, self.shared.previous_results(), findings);
+            let seen = (&self.shared.session, &self.shared.practices);
+            answer::show_short(ui, seen, self.shared.previous_results(), findings);
             self.tabs(ui);
             egui::Panel::bottom("sheet status")
                 .resizable(false)
@@ -134,6 +136,7 @@ impl App {
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
         self.edits.typing.0 = plan::patient(ui, scene, Hand::Mouse);
+        plan::practice(ui, scene, &self.shared.practices.takes(scene), Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
         ui.add_space(theme::SPACE);
@@ -170,12 +173,14 @@ impl App {
     fn narrow_tab(&mut self, ui: &mut Ui, scene: &mut Scene) {
         match self.screen.narrow_tab {
             NarrowTab::Implant => {
+                self.largest_usual(ui);
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
                 self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
             }
             NarrowTab::Patient => {
                 self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger);
+                plan::practice(ui, scene, &self.shared.practices.takes(scene), Hand::Finger);
                 self.tissue(ui, scene, Hand::Finger);
             }
             NarrowTab::Pocket => {
@@ -191,9 +196,12 @@ impl App {
 
     /// The cards or the missing answer in words, the filling of an expander, what is not known, the comparison and the details.
     fn answer(&mut self, ui: &mut Ui, layout: Layout) {
+        answer::heading(ui, &self.shared.session);
+        if layout == Layout::Wide {
+            self.largest_usual(ui);
+        }
         let Self { shared, panels, actions, .. } = self;
         let (device, palette) = (shared.choices.device, theme::palette(ui.visuals()));
-        answer::heading(ui, &shared.session);
         if no_answer::applies(&shared.session) {
             let largest = shared.volume_marks.largest_plan(shared.session.scene());
             let taken = panels.nearest.card(ui, &shared.session, largest);
@@ -208,15 +216,24 @@ impl App {
             }
             let near_end = shared.volume_marks.near_end(scene);
             let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
-            answer::show(ui, &shared.session, previous, findings, &near_end);
+            let seen = (&shared.session, &shared.practices);
+            answer::show(ui, seen, previous, findings, &near_end);
         }
-        answer::sources(ui, &shared.session);
+        answer::sources(ui, &shared.session, &mut shared.practices, actions);
         panels.filling.section(ui, shared, actions);
         shared.uncertainty.show(ui, &shared.session);
         let sampled = |scene: &Scene| shared.uncertainty.values(scene);
-        let command = compare::section(ui, &shared.session, &mut shared.compare, &sampled);
+        let command =
+            compare::section(ui, &shared.session, &mut shared.compare, &sampled, &shared.practices);
         actions.extend(command.map(Action::Session));
         self.details(ui, layout);
+    }
+
+    /// The largest usual volume in a sentence, which is a link to its plan.
+    fn largest_usual(&mut self, ui: &mut Ui) {
+        let Shared { session, volume_marks, practices, .. } = &self.shared;
+        let taken = headline(ui, session.scene(), volume_marks, practices);
+        self.actions.extend(taken.map(|plan| Action::Accept(Box::new(plan))));
     }
 
     /// The fold with numbers, cross-section and curves.
@@ -279,7 +296,8 @@ impl App {
     /// The answer in one sentence.
     fn headline(&self, ui: &mut Ui) {
         let Shared { session, volume_marks, .. } = &self.shared;
-        let mut text = answer::headline(session, self.shared.previous_results());
+        let mut text =
+            answer::headline(session, &self.shared.practices, self.shared.previous_results());
         if self.shared.is_long() {
             // A plan without an answer takes the longest.
             text = format!("{text} {}", volume_marks.near_end(session.scene()));
@@ -378,7 +396,8 @@ impl App {
             let envelope = self.shared.uncertainty.envelope().unwrap_or_default();
             let (session, options) = (&self.shared.session, &self.shared.options);
             let bar = self.screen.view_bar_height;
-            let shown = Shown { envelope, bar, ..Shown::new(session, options) };
+            let practices = &self.shared.practices;
+            let shown = Shown { envelope, bar, ..Shown::new(session, options, practices) };
             if let Some(between) = self.insertion.shown() {
                 self.shared.viewport.show_between(ui, &between, shown);
             } else if session.has_no_shape() {

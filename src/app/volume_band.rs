@@ -18,10 +18,12 @@ pub(super) struct VolumeBand {
 
 impl VolumeBand {
     /// Starts, continues or cancels the search, once a frame. `curve`: the scene and the volumes of the curve of one patient, once
-    /// that is solved; `choices`: those of the bands while they are on, and whether the bands are complete.
+    /// that is solved; `practice`: the plan of practice's greatest volume for a scene, if its stretch is compared with practice;
+    /// `choices`: those of the bands while they are on, and whether the bands are complete.
     pub(super) fn advance(
         &mut self,
         curve: Option<(&Scene, Axis)>,
+        practice: impl Fn(&Scene) -> Option<Scene>,
         choices: Option<(BandsSettings, bool)>,
         studies: &mut Studies,
         is_busy: bool,
@@ -37,7 +39,9 @@ impl VolumeBand {
             // Another volume is no other search.
             let least = with_values(scene, &[(Parameter::Volume, axis.from)]).ok();
             let most = axis.to.min(highest_sold_ml(&scene.implant));
-            let search = |least| UsualRange::new(&least, &settings, (axis.from, most)).ok();
+            let practice = practice(scene);
+            let ends = (axis.from, most);
+            let search = |least| UsualRange::new(&least, &settings, ends, practice.as_ref()).ok();
             if let Some(search) = least.and_then(search) {
                 self.search.start(search, studies);
             }

@@ -1,4 +1,4 @@
-//! Plan, pins, shelf and preferences from one start to the next, in the store of a platform.
+//! Plan, pins, shelf, practice table and preferences from one start to the next, in the store of a platform.
 
 use crate::app::App;
 
@@ -8,6 +8,7 @@ pub(super) trait Store {
     const PLAN: &'static str;
     const PINS: &'static str;
     const SHELF: &'static str;
+    const PRACTICE: &'static str;
     const LANGUAGE: &'static str;
     const RESEARCH: &'static str;
     /// Why the store failed.
@@ -27,12 +28,13 @@ pub(super) fn restore_preferences<S: Store>(app: &mut App, store: &S) {
     app.restore_research(kept(S::RESEARCH).as_deref());
 }
 
-/// Reads the kept plan, pins and shelf into a new app.
+/// Reads the kept plan, pins, shelf and practice table into a new app.
 pub(super) fn restore<S: Store>(app: &mut App, store: &S) {
     for (name, restore) in [
         (S::PLAN, App::restore_plan as fn(&mut App, &str)),
         (S::PINS, App::restore_pins),
         (S::SHELF, App::restore_shelf),
+        (S::PRACTICE, App::restore_practice_table),
     ] {
         match store.read(name) {
             Ok(Some(text)) => restore(app, &text),
@@ -48,6 +50,7 @@ pub(super) fn keep<S: Store>(app: &mut App, store: &S, is_closing: bool) {
         (S::PLAN, app.take_plan_to_store(is_closing)),
         (S::PINS, app.take_pins_to_store(is_closing)),
         (S::SHELF, app.take_shelf_to_store(is_closing)),
+        (S::PRACTICE, app.take_practice_table_to_store(is_closing)),
         (S::LANGUAGE, app.take_language_to_store()),
         (S::RESEARCH, app.take_research_to_store()),
     ] {

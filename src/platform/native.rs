@@ -89,6 +89,7 @@ impl Store for Folder {
     const PLAN: &'static str = "plan.json";
     const PINS: &'static str = "pins.json";
     const SHELF: &'static str = "shelf.csv";
+    const PRACTICE: &'static str = "practice-table.csv";
     const LANGUAGE: &'static str = "language.txt";
     const RESEARCH: &'static str = "research.txt";
     type Error = io::Error;

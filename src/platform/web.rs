@@ -88,6 +88,7 @@ impl Store for Origin {
     const PLAN: &'static str = "implant-preview/plan/1";
     const PINS: &'static str = "implant-preview/pins/1";
     const SHELF: &'static str = "implant-preview/shelf/1";
+    const PRACTICE: &'static str = "implant-preview/practice/1";
     /// `web/language.js` reads this text.
     const LANGUAGE: &'static str = "implant-preview/language/1";
     const RESEARCH: &'static str = "implant-preview/research/1";

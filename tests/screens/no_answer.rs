@@ -83,7 +83,7 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
     let beyond = "Beyond the sizes sold: the highest profile on 12 cm has 484 ml.";
     assert!(harness.query_all_by_label(beyond).count() > 0);
-    const WORDS: &str = " ml, the largest that stays usual";
+    const WORDS: &str = " ml, the most with practice's stretch";
     harness.hover_at(egui::pos2(4.0, 4.0));
     wait_until(&mut harness, "the largest volume", |harness| text_with(harness, WORDS));
     wait(&mut harness);
@@ -100,7 +100,8 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     settle(&mut harness);
     let outcome = harness.state().outcome().unwrap();
     assert!((outcome.implant_volume_ml - volume).abs() < 1e-6);
-    harness.get_by_label_contains(" ml, 12 cm: usual. ");
+    wait_for_practice(&mut harness);
+    harness.get_by_label_contains(" ml, 12 cm: as practice. ");
 }
 
 #[test]

@@ -121,6 +121,7 @@ fn height(harness: &Harness<'static, App>) -> f32 {
 fn the_push_is_watched_unfaded_and_changes_neither_plan_nor_answer() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");
+    wait_for_practice(&mut harness);
     let (scene, whole) = (harness.state().session().scene().clone(), height(&harness));
     let solves = harness.state().session().counters().solves;
     let answer = |harness: &Harness<'static, App>| {

@@ -1,7 +1,17 @@
 //! Colours of quantities and tissues, and scales of the colour bar.
 
-use implant_preview_core::measure::{Field, MMHG_PER_KPA, bands};
+use implant_preview_core::measure::bands::{self, SkinLimits};
+use implant_preview_core::measure::{Field, MMHG_PER_KPA};
 use implant_preview_core::scene::{Layer, Scene, tissue_in_words};
+
+/// What colours a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colouring {
+    /// The displayed quantity.
+    pub quantity: Quantity,
+    /// What the strain of the skin is compared with.
+    pub skin: SkinLimits,
+}
 
 /// A colour as sRGB, 0 to 1 each.
 pub type Rgb = [f32; 3];
@@ -88,17 +98,17 @@ impl Quantity {
         }
     }
 
-    /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue. `knee`: strain at which the
-    /// curve of the skin turns steep \[-\], if the skin has a reserve ([`Problem::skin_knee`](implant_preview_core::solve::Problem::skin_knee)).
+    /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue. `skin`: what the strain of the
+    /// skin is compared with.
     #[must_use]
-    pub fn scale(&self, greatest: f32, layers: &[Layer], knee: Option<f64>) -> Option<Scale> {
+    pub fn scale(&self, greatest: f32, layers: &[Layer], skin: SkinLimits) -> Option<Scale> {
         let name = |layer: usize| layers.get(layer).map_or("layer", |l| tissue_in_words(&l.tissue));
         Some(match *self {
             Self::Tissue => return None,
-            Self::Strain => strain_scale(greatest, knee),
+            Self::Strain => strain_scale(greatest, skin),
             Self::LayerStrain(0) => {
                 let title = format!("Stretch of {}", name(0));
-                Scale { title, ..strain_scale(greatest, knee) }
+                Scale { title, ..strain_scale(greatest, skin) }
             }
             // The limits are those of skin.
             Self::LayerStrain(layer) => {
@@ -226,6 +236,18 @@ pub const COVER: Rgb = [0.80, 0.66, 0.36];
 pub const MOST_STRAIN: f64 = 0.8;
 /// Upper end of the colours of the share of a reserve \[-\]; greater shares have the last colour.
 pub const MOST_RESERVE: f64 = 1.5;
+/// Upper end of the colours of strain against practice \[-\]: a little above the strains at which skin tears.
+pub const MOST_OF_PRACTICE: f64 = 0.6;
+
+/// Upper end of the colours of a strain with these limits \[unit of the limits\].
+#[must_use]
+pub fn most(skin: SkinLimits) -> f64 {
+    match skin {
+        SkinLimits::Practice(_) => MOST_OF_PRACTICE,
+        SkinLimits::Reserve(_) => MOST_RESERVE,
+        SkinLimits::Tearing => MOST_STRAIN,
+    }
+}
 
 /// Colour of a value by the level of its band \[unit of the limits\]; values above `most` have the last colour.
 #[must_use]
@@ -252,14 +274,14 @@ impl Scale {
     /// The stretch of skins with other limits as shares of their reserves \[-\], up to the `greatest` one.
     #[must_use]
     pub fn of_reserve(greatest: f32) -> Self {
-        Self { unit: "% of the reserve", ..strain_scale(greatest, Some(1.0)) }
+        Self { unit: "% of the reserve", ..strain_scale(greatest, SkinLimits::Reserve(1.0)) }
     }
 }
 
-/// The strain of a skin in the bands of its limits: those of its reserve, if its curve turns steep.
-fn strain_scale(greatest: f32, knee: Option<f64>) -> Scale {
-    let (limits, to_limits) = bands::strain_limits(knee);
-    let most = if knee.is_some() { MOST_RESERVE } else { MOST_STRAIN };
+/// The strain of a skin in the bands of its limits.
+fn strain_scale(greatest: f32, skin: SkinLimits) -> Scale {
+    let (limits, to_limits) = skin.limits();
+    let most = most(skin);
     let strain = |limit: f64| (limit / to_limits) as f32;
     let tick = |value: f32| (value, format!("{:.0}", 100.0 * value));
     let (mut from, mut words) = (0.0, Vec::new());
@@ -278,7 +300,7 @@ fn strain_scale(greatest: f32, knee: Option<f64>) -> Scale {
         ticks: ticks.map(|limit| tick(strain(limit))).collect(),
         words,
         greatest: Some(greatest),
-        table: table(|t| in_band(limits, most, t * most as f32)),
+        table: table(|t| in_band(&limits, most, t * most as f32)),
     }
 }
 
@@ -402,7 +424,7 @@ mod tests {
     #[test]
     fn the_legend_of_strain_has_the_words_of_the_cards() {
         let of_skin = |knee: Option<f64>, expected: &[&str]| {
-            let scale = strain_scale(0.21, knee);
+            let scale = strain_scale(0.21, SkinLimits::of_skin(knee));
             let words: Vec<&str> = scale.words.iter().map(|(_, word)| *word).collect();
             assert_eq!(words, expected);
             assert_eq!(scale.greatest, Some(0.21));

@@ -1,7 +1,7 @@
 //! The picture of the current shape: meshes, updated only after a change of their content.
 
 use crate::body::Body;
-use crate::color::{self, Pattern, Quantity, Rgb, Scale};
+use crate::color::{self, Colouring, Pattern, Quantity, Rgb, Scale};
 use crate::mesh::{self, Mesh, Vertex};
 use crate::section::{CapTriangle, Section};
 use crate::strokes;
@@ -42,7 +42,7 @@ pub struct Picture {
     tissue_indices: Arc<Vec<u32>>,
     /// The subject's revision of the shape.
     shape_made: Option<u64>,
-    quantity_made: Option<Quantity>,
+    colouring_made: Option<Colouring>,
     tissues_made: Vec<String>,
     section_made: Option<Section>,
     dome_made: Option<Dome>,
@@ -58,14 +58,14 @@ impl Picture {
     pub fn update(
         &mut self,
         subject: &impl Subject,
-        quantity: Quantity,
+        colouring: Colouring,
         section: Section,
         seconds: &dyn Fn() -> f64,
     ) -> bool {
         let layers = &subject.scene().layers;
         let tissues = layers.iter().map(|layer| &layer.tissue);
         let rename = !tissues.clone().eq(&self.tissues_made);
-        let recolor = rename || self.quantity_made != Some(quantity);
+        let recolor = rename || self.colouring_made != Some(colouring);
         let stale = self.shape_made != Some(subject.revision());
         // Values belong to the shape of their own revision.
         let start = seconds();
@@ -86,8 +86,8 @@ impl Picture {
             .map(|k| color::tissue(layers.get(k).map_or("", |layer| &layer.tissue), k))
             .collect();
         if reshape || recolor {
-            self.make_colors(subject, quantity, &colors);
-            self.quantity_made = Some(quantity);
+            self.make_colors(subject, colouring, &colors);
+            self.colouring_made = Some(colouring);
         }
         if reshape || recut {
             self.caps = section.caps(&self.body);
@@ -151,7 +151,8 @@ impl Picture {
         }
     }
 
-    fn make_colors(&mut self, subject: &impl Subject, quantity: Quantity, colors: &[Rgb]) {
+    fn make_colors(&mut self, subject: &impl Subject, colouring: Colouring, colors: &[Rgb]) {
+        let Colouring { quantity, skin } = colouring;
         let is_shown = !self.body.is_empty();
         let field = quantity.field().filter(|_| is_shown);
         let between = field.zip(subject.toward()).map(|(field, (to, part))| {
@@ -161,8 +162,7 @@ impl Picture {
         let own = field.map(|field| subject.fields().values(field));
         let values = between.as_deref().or(own);
         self.greatest = values.map_or(0.0, color::greatest);
-        let scale =
-            quantity.scale(self.greatest, &subject.scene().layers, subject.problem().skin_knee());
+        let scale = quantity.scale(self.greatest, &subject.scene().layers, skin);
         self.scale = scale.filter(|_| is_shown);
         let room = take_unused(&mut self.tissues_before);
         let mut vertices = mesh::tissue_vertices(room, &self.body, colors, values);
@@ -207,10 +207,15 @@ fn is_hidden(subject: &impl Subject) -> bool {
 mod tests {
     use super::*;
     use glam::Vec3;
+    use implant_preview_core::measure::bands::SkinLimits;
     use implant_preview_core::scene::Scene;
     use implant_preview_core::session::{Command, Session};
     use implant_preview_core::solve::Progress;
     use std::cell::Cell;
+
+    fn by(quantity: Quantity) -> Colouring {
+        Colouring { quantity, skin: SkinLimits::Tearing }
+    }
 
     #[test]
     fn strokes_along_the_wrinkles_are_made_only_when_the_wrinkles_are_shown() {
@@ -229,7 +234,7 @@ mod tests {
         };
         let mut picture = Picture::default();
         let mut tissue = |quantity| {
-            picture.update(&session, quantity, section, &|| 0.0);
+            picture.update(&session, by(quantity), section, &|| 0.0);
             (Arc::clone(&picture.meshes[0]), session.counters().fields)
         };
         let (plain, before) = tissue(Quantity::Strain);
@@ -263,7 +268,7 @@ mod tests {
             let mut picture = Picture::default();
             let between =
                 crate::subject::Between { scene: &scene, from: &from, to: &to, part, revision: 1 };
-            picture.update(&between, Quantity::Strain, section, &|| 0.0);
+            picture.update(&between, by(Quantity::Strain), section, &|| 0.0);
             picture
         };
         let [first, middle, last] = [0.0, 0.5, 1.0].map(drawn);
@@ -313,7 +318,7 @@ mod tests {
                 (Session::new(scene.clone()).unwrap(), Picture::default());
             let (mut pictures, mut gesture) = (0, 0);
             let mut watch = |session: &mut Session| loop {
-                picture.update(session, Quantity::Strain, section, &|| 1e9);
+                picture.update(session, by(Quantity::Strain), section, &|| 1e9);
                 if let Some(mm) = protrusion(&picture) {
                     pictures += 1;
                     assert!(mm < 0.0, "{mm} mm, {:?}", session.displayed());
@@ -359,7 +364,7 @@ mod tests {
         let now = Cell::new(0.0);
         let clock = || now.replace(now.get() + 1.0);
         let mut update =
-            |session: &Session, quantity| picture.update(session, quantity, section, &clock);
+            |session: &Session, quantity| picture.update(session, by(quantity), section, &clock);
         assert!(update(&session, Quantity::Strain));
         let mut edit = |session: &mut Session, insertion| {
             scene.insertion = insertion;

@@ -1,6 +1,7 @@
 //! Colours of pictures side by side: one scale for all, or for stretches of skins with other limits the limits of each skin.
 
 use crate::color::{Quantity, Scale};
+use implant_preview_core::measure::bands::SkinLimits;
 use implant_preview_core::scene::Layer;
 
 /// Relative difference of two strains at which curves turn steep that is none \[-\].
@@ -11,8 +12,8 @@ const EQUAL: f64 = 1e-6;
 pub struct Limited {
     /// Greatest value of the displayed quantity.
     pub greatest: f32,
-    /// Strain at which the curve of the skin turns steep \[-\], if the skin has a reserve.
-    pub knee: Option<f64>,
+    /// What the strain of the skin is compared with.
+    pub skin: SkinLimits,
 }
 
 /// The colours of pictures side by side.
@@ -21,7 +22,7 @@ pub enum Colours {
     /// All pictures have this scale; `None` for plain tissue.
     Common(Option<Scale>),
     /// Each picture has the scale of its own skin. The legend of all of them is in shares of the reserve; `None` where a
-    /// skin has no reserve: each picture then needs a legend.
+    /// skin has other limits: each picture then needs a legend.
     Own(Option<Scale>),
 }
 
@@ -30,9 +31,12 @@ impl Colours {
     #[must_use]
     pub fn new(quantity: Quantity, pictures: &[Limited], layers: &[Layer]) -> Self {
         let has_limits = matches!(quantity, Quantity::Strain | Quantity::LayerStrain(0));
-        let first = pictures.first().and_then(|picture| picture.knee);
-        if has_limits && !pictures.iter().all(|picture| is_equal(picture.knee, first)) {
-            let share = |picture: &Limited| Some(f64::from(picture.greatest) / picture.knee?);
+        let first = pictures.first().map_or(SkinLimits::Tearing, |picture| picture.skin);
+        if has_limits && !pictures.iter().all(|picture| is_equal(picture.skin, first)) {
+            let share = |picture: &Limited| match picture.skin {
+                SkinLimits::Reserve(knee) => Some(f64::from(picture.greatest) / knee),
+                SkinLimits::Practice(_) | SkinLimits::Tearing => None,
+            };
             let shares: Option<Vec<f64>> = pictures.iter().map(share).collect();
             let greatest = shares.map(|shares| shares.into_iter().fold(0.0, f64::max));
             return Self::Own(greatest.map(|share| Scale::of_reserve(share as f32)));
@@ -42,10 +46,12 @@ impl Colours {
     }
 }
 
-fn is_equal(one: Option<f64>, other: Option<f64>) -> bool {
+fn is_equal(one: SkinLimits, other: SkinLimits) -> bool {
     match (one, other) {
-        (Some(one), Some(other)) => (one - other).abs() <= EQUAL * other.abs(),
-        (one, other) => one.is_none() && other.is_none(),
+        (SkinLimits::Reserve(one), SkinLimits::Reserve(other)) => {
+            (one - other).abs() <= EQUAL * other.abs()
+        }
+        (one, other) => one == other,
     }
 }
 
@@ -57,7 +63,10 @@ mod tests {
     use implant_preview_core::scene::Scene;
 
     fn colours(quantity: Quantity, pictures: &[(f32, Option<f64>)]) -> Colours {
-        let limited = |&(greatest, knee): &(f32, Option<f64>)| Limited { greatest, knee };
+        let limited = |&(greatest, knee): &(f32, Option<f64>)| Limited {
+            greatest,
+            skin: SkinLimits::of_skin(knee),
+        };
         let pictures: Vec<Limited> = pictures.iter().map(limited).collect();
         Colours::new(quantity, &pictures, &Scene::opening().layers)
     }
@@ -72,9 +81,15 @@ mod tests {
     fn pictures_with_equal_limits_have_one_scale_to_the_greatest_value() {
         let layers = Scene::opening().layers;
         let equal = colours(Quantity::Strain, &[(0.1, Some(0.2)), (0.15, Some(0.2))]);
-        assert_eq!(equal, Colours::Common(Quantity::Strain.scale(0.15, &layers, Some(0.2))));
+        assert_eq!(
+            equal,
+            Colours::Common(Quantity::Strain.scale(0.15, &layers, SkinLimits::Reserve(0.2)))
+        );
         let pressure = colours(Quantity::Pressure, &[(1.0, Some(0.2)), (4.0, Some(0.1))]);
-        assert_eq!(pressure, Colours::Common(Quantity::Pressure.scale(4.0, &layers, None)));
+        assert_eq!(
+            pressure,
+            Colours::Common(Quantity::Pressure.scale(4.0, &layers, SkinLimits::Tearing))
+        );
         let tissue = colours(Quantity::Tissue, &[(0.0, Some(0.2)), (0.0, Some(0.1))]);
         assert_eq!(tissue, Colours::Common(None));
     }
@@ -93,8 +108,10 @@ mod tests {
         let words: Vec<&str> = legend.words.iter().map(|(_, word)| *word).collect();
         assert_eq!(words, ["usual", "high", "very high"]);
         for ((strain, knee), word) in [(tight, "very high"), (normal, "usual")] {
-            let (scale, share) =
-                (Quantity::Strain.scale(strain, &[], Some(knee.into())), strain / knee);
+            let (scale, share) = (
+                Quantity::Strain.scale(strain, &[], SkinLimits::Reserve(knee.into())),
+                strain / knee,
+            );
             // The legend of all has the colour and the word of the own scale.
             assert_eq!(colour(&scale.unwrap(), strain), colour(&legend, share));
             assert_eq!(bands::RESERVE.word(share.into()), word);

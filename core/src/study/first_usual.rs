@@ -1,13 +1,13 @@
-//! The first plan of a list that stays usual: one scene after the other, until all words of its cards are usual.
+//! The first plan of a list that stays usual: one scene after the other, until all words of its cards are calm.
 
 use super::{Case, Cases, Job, MapSettings, Quantity, Study};
-use crate::measure::bands;
+use crate::measure::bands::{self, PracticeStretch};
 use crate::scene::Scene;
 
 /// The search as a state machine, a [`Study`] of one scene at a time.
 #[derive(Debug)]
 pub struct FirstUsual {
-    scenes: Vec<Scene>,
+    plans: Vec<(Scene, Option<PracticeStretch>)>,
     /// The scene that is solved next, or was found.
     place: usize,
     is_found: bool,
@@ -16,18 +16,19 @@ pub struct FirstUsual {
 }
 
 impl FirstUsual {
-    /// The search in these plans, in their order, on a grid of 33 nodes per side.
+    /// The search in these plans with what practice's volumes give in their tissue, in their order, on a grid of 33 nodes per
+    /// side.
     #[must_use]
-    pub fn new(mut scenes: Vec<Scene>) -> Self {
-        scenes.iter_mut().for_each(|scene| MapSettings::default().apply(scene));
-        Self::on_own_grids(scenes)
+    pub fn new(mut plans: Vec<(Scene, Option<PracticeStretch>)>) -> Self {
+        plans.iter_mut().for_each(|(scene, _)| MapSettings::default().apply(scene));
+        Self::on_own_grids(plans)
     }
 
-    /// The search in these plans, in their order, each on its own grid: the word of a found plan is that of its cards.
+    /// As [`Self::new`], each plan on its own grid: the words of a found plan are those of its cards.
     #[must_use]
-    pub fn on_own_grids(mut scenes: Vec<Scene>) -> Self {
-        scenes.iter_mut().for_each(|scene| scene.patient = None);
-        Self { scenes, place: 0, is_found: false, is_running: false, jobs: 0 }
+    pub fn on_own_grids(mut plans: Vec<(Scene, Option<PracticeStretch>)>) -> Self {
+        plans.iter_mut().for_each(|(scene, _)| scene.patient = None);
+        Self { plans, place: 0, is_found: false, is_running: false, jobs: 0 }
     }
 
     /// Index of the first plan that stays usual; `None` before the end, and if none does.
@@ -37,16 +38,19 @@ impl FirstUsual {
     }
 
     fn take(&mut self, case: Option<&Case>) {
-        self.is_found = case.is_some_and(is_usual);
+        let practice = self.plans.get(self.place).and_then(|(_, practice)| *practice);
+        self.is_found = case.is_some_and(|case| is_usual(case, practice));
         self.place += usize::from(!self.is_found);
     }
 }
 
-/// Has a case an answer in which the words of stretch, cover and pressure are usual?
-pub(super) fn is_usual(case: &Case) -> bool {
+/// Has a case an answer in which the words of stretch, cover and pressure are calm? The stretch is compared with `practice`, if
+/// that is known.
+pub(super) fn is_usual(case: &Case, practice: Option<PracticeStretch>) -> bool {
     let value = |quantity: Quantity| case.values.get(quantity);
     let reserve = value(Quantity::SkinReserveUsed);
-    let stretch = value(Quantity::GreatestStrain).map(|strain| bands::stretch(strain, reserve).0);
+    let stretch = value(Quantity::GreatestStrain)
+        .map(|strain| bands::stretch_by(practice, strain, reserve).0);
     let pressure = value(Quantity::GreatestPressureMmhg).map(bands::pressure_band);
     let is_thin = value(Quantity::LeastCoverMm).and_then(bands::cover).is_some();
     case.is_converged() && (stretch, pressure) == (Some(0), Some(0)) && !is_thin
@@ -55,7 +59,7 @@ pub(super) fn is_usual(case: &Case) -> bool {
 impl Study for FirstUsual {
     fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
         while !self.is_found && !self.is_running {
-            let scene = self.scenes.get(self.place)?.clone();
+            let (scene, _) = self.plans.get(self.place)?.clone();
             let key = store.key(&scene);
             if let Some(case) = store.reuse(&key, false).cloned() {
                 self.take(Some(&case));
@@ -74,7 +78,7 @@ impl Study for FirstUsual {
         }
         self.is_running = false;
         let case = cases.into_iter().next().filter(|case| case.status.is_some());
-        let solved = self.scenes.get(self.place).map(|scene| store.key(scene));
+        let solved = self.plans.get(self.place).map(|(scene, _)| store.key(scene));
         self.take(case.as_ref());
         if let (Some(case), Some(key)) = (case, solved) {
             store.insert(key, case);
@@ -84,7 +88,7 @@ impl Study for FirstUsual {
     fn progress(&self) -> (usize, usize) {
         match self.is_found {
             true => (self.place + 1, self.place + 1),
-            false => (self.place, self.scenes.len()),
+            false => (self.place, self.plans.len()),
         }
     }
 }
@@ -101,8 +105,8 @@ mod tests {
             with_values(&Scene::opening(), &values).unwrap()
         };
         // The second is usual, as the opening plan; a flat third is never solved.
-        let scenes = vec![plan(700.0), plan(225.0), plan(200.0)];
-        let (mut search, mut store) = (FirstUsual::new(scenes.clone()), Cases::default());
+        let plans = [plan(700.0), plan(225.0), plan(200.0)].map(|scene| (scene, None)).to_vec();
+        let (mut search, mut store) = (FirstUsual::new(plans.clone()), Cases::default());
         let mut solved = 0;
         while let Some((index, job)) = search.next_job(&mut store) {
             assert!(search.next_job(&mut store).is_none() && !search.is_done());
@@ -111,14 +115,42 @@ mod tests {
             solved += 1;
         }
         assert_eq!((search.found(), solved, search.is_done()), (Some(1), 2, true));
-        let mut again = FirstUsual::new(scenes);
+        let mut again = FirstUsual::new(plans);
         assert!(again.next_job(&mut store).is_none());
         assert_eq!(again.found(), Some(1));
         // A failed job is no usual plan.
-        let mut failed = FirstUsual::new(vec![plan(250.0)]);
+        let mut failed = FirstUsual::new(vec![(plan(250.0), None)]);
         let (index, _) = failed.next_job(&mut store).unwrap();
         failed.receive(index, Vec::new(), &mut store);
         assert_eq!((failed.found(), failed.is_done()), (None, true));
+    }
+
+    #[test]
+    fn a_stretch_as_practice_is_calm_and_one_above_is_not() {
+        let volumes = [350.0, 300.0];
+        let plans = volumes.map(|volume| {
+            let values = [(Parameter::Volume, volume)];
+            with_values(&Scene::opening(), &values).unwrap()
+        });
+        let strain = |plan: &Scene| {
+            let mut plan = plan.clone();
+            MapSettings::default().apply(&mut plan);
+            let outcome = crate::simulate::simulate(&plan).unwrap();
+            Quantity::GreatestStrain.of(&outcome).unwrap()
+        };
+        let [greater, less] = [strain(&plans[0]), strain(&plans[1])];
+        let found = |more: f64| {
+            let practice = PracticeStretch { less: 0.1, same: 0.5 * (0.1 + more), more };
+            let plans = plans.iter().map(|plan| (plan.clone(), Some(practice))).collect();
+            let (mut search, mut store) = (FirstUsual::new(plans), Cases::default());
+            while let Some((index, job)) = search.next_job(&mut store) {
+                search.receive(index, evaluate(&job), &mut store);
+            }
+            search.found()
+        };
+        assert_eq!(found(greater + 1e-6), Some(0));
+        assert_eq!(found(0.5 * (greater + less)), Some(1));
+        assert_eq!(found(less - 1e-6), None);
     }
 
     /// The stretch of the opening patient's skin is within a percent of the limit at 243 ml: a coarse grid takes the volume as usual.
@@ -127,7 +159,8 @@ mod tests {
         let volumes = [250.0, 245.0, 240.0, 235.0];
         let plan =
             |volume: &f64| with_values(&Scene::opening(), &[(Parameter::Volume, *volume)]).unwrap();
-        let mut search = FirstUsual::on_own_grids(volumes.iter().map(plan).collect());
+        let mut search =
+            FirstUsual::on_own_grids(volumes.iter().map(|v| (plan(v), None)).collect());
         let mut store = Cases::default();
         while let Some((index, job)) = search.next_job(&mut store) {
             search.receive(index, evaluate(&job), &mut store);

@@ -9,6 +9,7 @@ use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::{given, number, whole};
 use crate::measure::Status;
+use crate::measure::bands::SkinLimits;
 use crate::scene::{Field, Scene, TissueModel, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -205,7 +206,7 @@ impl Map {
         let knee = |(i, j)| map.scene(i, j).ok().and_then(|scene| scene.skin_knee());
         let [first, others @ ..] = map.corners().map(knee);
         if others.into_iter().all(|other| other == first) {
-            map.skin = Skin::Same(first);
+            map.skin = Skin::Same(SkinLimits::of_skin(first));
         }
         map.queue = Queue::new(map.order());
         Ok(map)

@@ -144,7 +144,8 @@ impl Map {
         for warning in self.cases().iter().flatten().flat_map(|case| &case.warnings) {
             *warnings.entry(warning.clone()).or_insert(0) += 1;
         }
-        let bands: &[Band] = self.limits(show).map_or(&[], |(limits, _)| &limits.bands);
+        let limits = self.limits(show).map(|(limits, _)| limits.bands);
+        let bands: &[Band] = limits.as_deref().unwrap_or_default();
         let contour = |(k, level): (usize, f64)| ContourFile {
             level,
             above: bands.get(k + 1).map(|band| band.word),

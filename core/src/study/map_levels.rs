@@ -2,13 +2,13 @@
 
 use super::contour::{Field, Path};
 use super::{Map, Quantity};
-use crate::measure::bands::Limits;
+use crate::measure::bands::{Limits, SkinLimits};
 
 /// What judges the strain of the skins of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Skin {
-    /// All skins turn steep at one strain \[-\], or have no reserve.
-    Same(Option<f64>),
+    /// All skins have these limits.
+    Same(SkinLimits),
     /// The skins of the points turn steep at different strains.
     Different,
 }
@@ -25,8 +25,13 @@ impl Map {
     /// points that have not converged.
     #[must_use]
     pub fn contours(&self, quantity: Quantity, level: f64) -> Vec<Path> {
+        self.lines(self.field(quantity), level)
+    }
+
+    /// The contour lines of values row by row.
+    pub(super) fn lines(&self, mut values: Vec<f64>, level: f64) -> Vec<Path> {
         let [x, y] = &self.axes[..] else { return Vec::new() };
-        let (mut xs, mut ys, mut values) = (x.values(), y.values(), self.field(quantity));
+        let (mut xs, mut ys) = (x.values(), y.values());
         // The grid of the contours has rising axes.
         if x.to < x.from {
             xs.reverse();
@@ -42,11 +47,11 @@ impl Map {
     /// The limits of a quantity with words and sources, and the factor from a value to the unit of the limits. The strain has
     /// none where the skins of the points turn steep at different strains.
     #[must_use]
-    pub fn limits(&self, quantity: Quantity) -> Option<(&'static Limits, f64)> {
+    pub fn limits(&self, quantity: Quantity) -> Option<(Limits, f64)> {
         match (quantity, self.skin) {
             (Quantity::GreatestStrain, Skin::Different) => None,
-            (_, Skin::Different) => quantity.limits(None),
-            (_, Skin::Same(knee)) => quantity.limits(knee),
+            (_, Skin::Different) => quantity.limits(SkinLimits::Tearing),
+            (_, Skin::Same(skin)) => quantity.limits(skin),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The figures of a result that a study compares.
 
-use crate::measure::bands::{Limits, PRESSURE, RESERVE, strain_limits};
+use crate::measure::bands::{Limits, PRESSURE, RESERVE, SkinLimits};
 use crate::measure::{MMHG_PER_KPA, Outcome};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -145,15 +145,16 @@ impl Quantity {
     }
 
     /// The limits with words and sources, if the quantity has any, and the factor from a value to the unit of the limits.
-    /// `knee`: strain at which the curve of the skin turns steep \[-\], if the skin has a reserve
-    /// ([`Scene::skin_knee`](crate::scene::Scene::skin_knee)).
+    /// `skin`: what the strain is compared with.
     #[must_use]
-    pub fn limits(self, knee: Option<f64>) -> Option<(&'static Limits, f64)> {
+    pub fn limits(self, skin: SkinLimits) -> Option<(Limits, f64)> {
         match self {
-            Self::GreatestStrain => Some(strain_limits(knee)),
-            Self::SkinReserveUsed => Some((&RESERVE, 1.0)),
-            Self::MeanPressureMmhg | Self::GreatestPressureMmhg => Some((&PRESSURE, 1.0)),
-            Self::MeanPressureKpa | Self::GreatestPressureKpa => Some((&PRESSURE, MMHG_PER_KPA)),
+            Self::GreatestStrain => Some(skin.limits()),
+            Self::SkinReserveUsed => Some((RESERVE.clone(), 1.0)),
+            Self::MeanPressureMmhg | Self::GreatestPressureMmhg => Some((PRESSURE.clone(), 1.0)),
+            Self::MeanPressureKpa | Self::GreatestPressureKpa => {
+                Some((PRESSURE.clone(), MMHG_PER_KPA))
+            }
             _ => None,
         }
     }
@@ -222,7 +223,7 @@ mod tests {
     #[test]
     fn limits_are_in_the_unit_of_the_values() {
         let word = |quantity: Quantity, knee: Option<f64>, value: f64| {
-            let (limits, factor) = quantity.limits(knee).unwrap();
+            let (limits, factor) = quantity.limits(SkinLimits::of_skin(knee)).unwrap();
             limits.word(factor * value)
         };
         let pressures = [(7.99, "usual"), (8.01, "high"), (10.66, "high"), (10.67, "very high")];
@@ -237,6 +238,6 @@ mod tests {
         for (strain, expected) in [(0.159, "usual"), (0.161, "high"), (0.201, "very high")] {
             assert_eq!(word(Quantity::GreatestStrain, Some(0.2), strain), expected);
         }
-        assert!(Quantity::ForceN.limits(None).is_none());
+        assert!(Quantity::ForceN.limits(SkinLimits::Tearing).is_none());
     }
 }

@@ -143,6 +143,12 @@ impl Limits {
         self.bands.iter().filter(|band| band.limit.is_some_and(|limit| value > limit)).count()
     }
 
+    /// Are the limits those of [`PracticeStretch::limits`]?
+    #[must_use]
+    pub fn is_of_practice(&self) -> bool {
+        self.quantity == OF_PRACTICE
+    }
+
     /// Level and word of a value.
     #[must_use]
     pub fn verdict(&self, value: f64) -> (usize, &'static str) {
@@ -182,8 +188,7 @@ impl PracticeStretch {
             band(Some(tears), "very high", 2, STRAIN.bands[2].source),
             band(None, "beyond", 3, ""),
         ];
-        let quantity = "greatest principal strain against practice";
-        Limits { quantity, unit: "", bands: Cow::Owned(bands), note: STANDING }
+        Limits { quantity: OF_PRACTICE, unit: "", bands: Cow::Owned(bands), note: STANDING }
     }
 
     /// Level and word of a strain \[-\].
@@ -199,6 +204,9 @@ impl PracticeStretch {
         }
     }
 }
+
+/// The quantity of limits against practice.
+const OF_PRACTICE: &str = "greatest principal strain against practice";
 
 /// What the words against practice mean.
 const PRACTICE_SOURCE: &str = "As practice: the stretch lies between those of practice's volume less and plus a step of the rule, 30 \
@@ -221,11 +229,43 @@ pub fn stretch(strain: f64, reserve: Option<f64>) -> (usize, &'static str) {
     reserve.map_or_else(|| STRAIN.verdict(strain), |share| RESERVE.verdict(share))
 }
 
-/// The limits of the greatest principal strain of a skin whose curve turns steep at the strain `knee` \[-\], and the factor
-/// from a strain to their unit: the words are those of [`stretch`].
-#[must_use]
-pub fn strain_limits(knee: Option<f64>) -> (&'static Limits, f64) {
-    knee.map_or((&STRAIN, 1.0), |knee| (&RESERVE, 1.0 / knee))
+/// What the strain of a skin is compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SkinLimits {
+    /// The strains of practice's volumes in the same tissue.
+    Practice(PracticeStretch),
+    /// The strain at which the skin's curve turns steep \[-\]: its reserve.
+    Reserve(f64),
+    /// The strains at which skin tears.
+    Tearing,
+}
+
+impl SkinLimits {
+    /// The limits of a skin by itself. `knee`: strain at which its curve turns steep \[-\], if it has a reserve.
+    #[must_use]
+    pub fn of_skin(knee: Option<f64>) -> Self {
+        knee.map_or(Self::Tearing, Self::Reserve)
+    }
+
+    /// The limits with their words, and the factor from a strain to their unit.
+    #[must_use]
+    pub fn limits(self) -> (Limits, f64) {
+        match self {
+            Self::Practice(practice) => (practice.limits(), 1.0),
+            Self::Reserve(knee) => (RESERVE.clone(), 1.0 / knee),
+            Self::Tearing => (STRAIN.clone(), 1.0),
+        }
+    }
+
+    /// Level and word of a greatest principal strain \[-\].
+    #[must_use]
+    pub fn verdict(self, strain: f64) -> (usize, &'static str) {
+        match self {
+            Self::Practice(practice) => practice.verdict(strain),
+            Self::Reserve(knee) => RESERVE.verdict(strain / knee),
+            Self::Tearing => STRAIN.verdict(strain),
+        }
+    }
 }
 
 /// Band and word of a thin cover \[mm\]; `None` for any other.
@@ -286,8 +326,10 @@ mod tests {
         }
         let words = [0.19, 0.191, 0.231, 0.51].map(|strain| practice.verdict(strain).1);
         assert_eq!(words, ["below practice", "as practice", "above practice", "very high"]);
-        assert_eq!(stretch_by(None, 0.26, None), (1, "high"));
-        assert_eq!(stretch_by(Some(practice), 0.26, Some(2.0)), (1, "above practice"));
+        let of = |limits: SkinLimits| limits.verdict(0.26);
+        assert_eq!(of(SkinLimits::Practice(practice)), (1, "above practice"));
+        assert_eq!(of(SkinLimits::of_skin(None)), stretch(0.26, None));
+        assert_eq!(of(SkinLimits::of_skin(Some(0.25))), stretch(0.26, Some(0.26 / 0.25)));
         // A very lax skin, whose practice is near the strain that tears.
         let lax = PracticeStretch { less: 0.44, same: 0.48, more: 0.52 };
         for strain in [0.4, 0.49, 0.505, 0.53, 0.6] {

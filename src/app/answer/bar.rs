@@ -7,14 +7,18 @@ use crate::view::color::{self, Rgb};
 pub(in crate::app) struct Bar {
     /// Ends of the parts from the left, with their colours.
     pub(in crate::app) parts: Vec<(f64, Rgb)>,
-    /// Limits with their texts.
+    /// Limits with their texts, the most important first.
     pub(in crate::app) limits: Vec<(f64, String)>,
+    /// Does a limit part two colours, or stand on one?
+    pub(in crate::app) has_bands: bool,
+    /// Unit at the end of the bar; empty where the limits have theirs.
+    pub(in crate::app) unit: &'static str,
     /// The value.
     pub(in crate::app) value: Option<f64>,
     /// 10th and 90th percentile of the sampled patients.
     pub(in crate::app) range: Option<[f64; 2]>,
-    /// Band of the word, counted from the lowest.
-    pub(in crate::app) band: Option<usize>,
+    /// Level of the word, 0 for a calm one.
+    pub(in crate::app) level: Option<usize>,
 }
 
 impl Bar {
@@ -25,16 +29,22 @@ impl Bar {
             BarScale::Part { whole } => whole.max(1e-9),
         };
         let at = |value: f64| (value / most).clamp(0.0, 1.0);
-        match card.scale {
-            BarScale::Bands { limits: of, in_percent, .. } => {
-                for (k, band) in of.bands.iter().enumerate() {
-                    parts.push((at(band.limit.unwrap_or(most)), color::band(k)));
+        let mut unit = "";
+        match &card.scale {
+            BarScale::Bands { limits: of, in_percent, mark, .. } => {
+                limits.extend(mark.iter().map(|(value, text)| (at(*value), text.clone())));
+                for band in &*of.bands {
+                    parts.push((at(band.limit.unwrap_or(most)), color::band(band.level)));
                     let text = |limit: f64| match in_percent {
                         true => format!("{:.0} %", 100.0 * limit),
                         false => format!("{limit:.0}"),
                     };
-                    limits.extend(band.limit.map(|limit| (at(limit), text(limit))));
+                    // Beside a mark only the limits of a higher level than its own have a number.
+                    let has_number = mark.is_none() || band.level > 0;
+                    let limit = band.limit.filter(|_| has_number);
+                    limits.extend(limit.map(|limit| (at(limit), text(limit))));
                 }
+                unit = of.unit;
             }
             BarScale::Part { .. } => {
                 parts.extend(card.value.map(|value| (at(value), color::COVER)));
@@ -44,9 +54,11 @@ impl Bar {
         Self {
             parts,
             limits,
+            has_bands: matches!(card.scale, BarScale::Bands { .. }),
+            unit,
             value: card.value.map(at),
             range: card.range.map(|range| range.map(at)),
-            band: card.verdict.map(|(band, _)| band),
+            level: card.verdict.map(|(level, _)| level),
         }
     }
 }

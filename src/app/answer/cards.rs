@@ -3,14 +3,15 @@
 //! of each word in a line ([`shares`]).
 
 use super::shares::in_words as shares;
+use crate::app::practice::{Against, Practices};
 use crate::app::texts::{self, fixed, localized, tr, word_of};
 use crate::app::uncertainty::{Findings, figure};
-use crate::measure::bands::{self, Limits};
+use crate::measure::bands::{self, Limits, PracticeStretch, SkinLimits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::{Band, Quantity};
-use crate::view::color::{MOST_RESERVE, MOST_STRAIN};
+use crate::view::color;
 
 /// Strain above which the share of the skin is shown \[-\], and its key in the result.
 const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
@@ -25,8 +26,12 @@ pub(super) struct Answer {
     pub(super) strain: Option<f64>,
     /// The strain relative to that at which this skin turns steep \[-\].
     reserve: Option<f64>,
-    /// Has this skin a reserve? Without a value too: the bar keeps its limits during a solve.
-    has_reserve: bool,
+    /// What the stretch is compared with.
+    against: Against,
+    /// The volume that practice takes \[ml\], if the stretch is compared with practice.
+    practice_ml: Option<f64>,
+    /// The limits of the bar, without a value too: the bar keeps its limits during a solve.
+    skin: SkinLimits,
     /// Fraction of the skin above [`SHARE_ABOVE`] \[-\].
     share: f64,
     /// Least thickness over the implant \[mm\].
@@ -57,7 +62,12 @@ fn pressure_verdict(mmhg: f64) -> Verdict {
 
 impl Answer {
     /// The figures of a result of a plan; without a result the limits are those of a problem.
-    pub(super) fn new(outcome: Option<&Outcome>, scene: &Scene, problem: &Problem) -> Self {
+    pub(super) fn new(
+        outcome: Option<&Outcome>,
+        scene: &Scene,
+        problem: &Problem,
+        practices: &Practices,
+    ) -> Self {
         let strain = outcome.and_then(|outcome| outcome.strain.as_ref());
         let share = strain.and_then(|s| s.fraction_above.get(SHARE_ABOVE.1)).copied();
         let cover = outcome.and_then(|outcome| outcome.cover_mm);
@@ -65,10 +75,15 @@ impl Answer {
         Self {
             strain: strain.map(|strain| strain.max_principal.max(0.0)),
             reserve,
-            has_reserve: match strain {
-                Some(_) => reserve.is_some(),
-                None => problem.skin_knee().is_some(),
-            },
+            against: practices.against(scene),
+            practice_ml: practices.volume(scene).map(|volume| volume.volume_ml()),
+            skin: practices.skin(
+                scene,
+                match strain {
+                    Some(_) => reserve.and(problem.skin_knee()),
+                    None => problem.skin_knee(),
+                },
+            ),
             share: share.unwrap_or(0.0),
             cover: cover.map(|cover| cover.least),
             apex: cover.map(|cover| cover.apex),
@@ -78,9 +93,24 @@ impl Answer {
         }
     }
 
-    /// The word of the stretch.
+    /// The word of the stretch; `None` while practice's volumes are being solved.
     pub(super) fn stretch(&self) -> Option<Verdict> {
-        self.strain.map(|strain| in_words(bands::stretch(strain, self.reserve)))
+        let strain = self.strain.filter(|_| self.against != Against::Waiting)?;
+        Some(in_words(bands::stretch_by(self.against.practice(), strain, self.reserve)))
+    }
+
+    /// The strain of practice's volume \[-\] with that volume \[ml\].
+    fn practice(&self) -> Option<(PracticeStretch, f64)> {
+        self.against.practice().zip(self.practice_ml)
+    }
+
+    /// The word of a plan without a worse one than that of its stretch: against practice, or usual.
+    fn calm(&self) -> Option<&'static str> {
+        match self.against {
+            Against::Practice(_) => self.stretch().map(|(_, word)| word),
+            Against::Waiting => None,
+            Against::Skin(_) => Some(tr("usual")),
+        }
     }
 
     /// The word of the cover; `None` for a cover that is not thin.
@@ -102,8 +132,11 @@ impl Answer {
         // The first of equal ones.
         let worst =
             words.rev().max_by_key(|((band, _), _)| *band).filter(|((band, _), _)| *band > 0);
-        let worst = worst
-            .map_or_else(|| tr("usual").to_owned(), |((_, word), name)| format!("{name} {word}"));
+        let worst = match worst {
+            Some(((_, word), name)) => Some(format!("{name} {word}. ")),
+            None => self.calm().map(|word| format!("{word}. ")),
+        };
+        let worst = worst.unwrap_or_default();
         let figures = [
             self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
             self.cover.map(|mm| tr!("cover {mm:.1} mm", mm)),
@@ -112,7 +145,7 @@ impl Answer {
         let figures: Vec<String> = figures.into_iter().flatten().collect();
         let figures = figures.join(", ");
         let (first, rest) = figures.split_at(usize::from(!figures.is_empty()));
-        format!("{worst}. {}{rest}.", first.to_uppercase())
+        format!("{worst}{}{rest}.", first.to_uppercase())
     }
 }
 
@@ -142,10 +175,9 @@ pub(super) struct Card {
 }
 
 /// The scale of a card's bar.
-#[derive(Clone, Copy)]
 pub(super) enum BarScale {
-    /// Bands of limits, up to a value.
-    Bands { limits: &'static Limits, most: f64, in_percent: bool },
+    /// Bands of limits, up to a value, with a further mark and its text.
+    Bands { limits: Limits, most: f64, in_percent: bool, mark: Option<(f64, String)> },
     /// A part of a whole.
     Part { whole: f64 },
 }
@@ -231,8 +263,6 @@ fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
 
 fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
-    let range = sampled.range(Quantity::GreatestStrain);
-    let reserve = sampled.range(Quantity::SkinReserveUsed);
     let missing = sampled.0.and_then(Findings::missing).unwrap_or_default();
     let line = answer.strain.map_or_else(String::new, |_| {
         let share = match answer.reserve {
@@ -246,27 +276,45 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         format!("{missing}{share}").trim_end().to_owned()
     });
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
-    let words = answer.reserve.map_or_else(
-        || tr("longer, at most").to_owned(),
-        |share| tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
-    );
-    let (limits, most, of) = match answer.has_reserve {
-        true => (&bands::RESERVE, MOST_RESERVE, Quantity::SkinReserveUsed),
-        false => (&bands::STRAIN, MOST_STRAIN, Quantity::GreatestStrain),
+    let (limits, factor) = answer.skin.limits();
+    let is_reserve = matches!(answer.skin, SkinLimits::Reserve(_));
+    let words = match answer.reserve.filter(|_| is_reserve) {
+        Some(share) => tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
+        None => tr("longer, at most").to_owned(),
     };
+    let practice = answer.practice().map(|(practice, ml)| {
+        let percent = 100.0 * practice.same;
+        let line = tr!("Practice's {ml:.0} ml would be {percent:.0} %.", ml, percent);
+        (line, (practice.same, tr!("practice {percent:.0} %", percent)))
+    });
+    let (line, mark) = match practice {
+        Some((words, mark)) => (format!("{words} {missing}").trim_end().to_owned(), Some(mark)),
+        None => (line, None),
+    };
+    let range = sampled.range(Quantity::GreatestStrain);
+    let verdict = |value| in_words(limits.verdict(value));
     Card {
         title: tr("Skin stretch"),
         short: (tr("Stretch"), figure.clone()),
         figure,
         beside: format!("{brackets}{words}"),
         verdict: word,
-        no_verdict: "",
-        shares: sampled.shares(of, |value| in_words(limits.verdict(value))),
+        no_verdict: if answer.against == Against::Waiting { "…" } else { "" },
+        shares: match (answer.against, is_reserve) {
+            (Against::Skin(_), true) => sampled.shares(Quantity::SkinReserveUsed, verdict),
+            (Against::Skin(_), false) => sampled.shares(Quantity::GreatestStrain, verdict),
+            (Against::Practice(_) | Against::Waiting, _) => None,
+        },
         line,
-        value: answer.reserve.or(answer.strain),
-        range: if answer.has_reserve { reserve } else { range },
+        value: answer.strain.map(|strain| factor * strain),
+        range: if is_reserve { sampled.range(Quantity::SkinReserveUsed) } else { range },
         median: sampled.median(Quantity::GreatestStrain),
-        scale: BarScale::Bands { limits, most, in_percent: true },
+        scale: BarScale::Bands {
+            limits: limits.clone(),
+            most: color::most(answer.skin),
+            in_percent: true,
+            mark,
+        },
     }
 }
 
@@ -316,7 +364,12 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
         value: most,
         range: sampled.range(Quantity::GreatestPressureMmhg),
         median: sampled.median(Quantity::GreatestPressureMmhg),
-        scale: BarScale::Bands { limits: &bands::PRESSURE, most: MOST_PRESSURE, in_percent: false },
+        scale: BarScale::Bands {
+            limits: bands::PRESSURE.clone(),
+            most: MOST_PRESSURE,
+            in_percent: false,
+            mark: None,
+        },
     }
 }
 
@@ -330,7 +383,9 @@ mod tests {
         let answer = |strain, reserve, cover, pressure| Answer {
             strain: Some(strain),
             reserve,
-            has_reserve: reserve.is_some(),
+            against: Against::Skin(None),
+            practice_ml: None,
+            skin: SkinLimits::Tearing,
             share: 0.0,
             cover: Some(cover),
             apex: None,
@@ -367,12 +422,39 @@ mod tests {
         ] {
             assert_eq!(of.in_a_sentence(), sentence);
         }
+        let practice = PracticeStretch { less: 0.12, same: 0.14, more: 0.16 };
+        let against = |against| Answer { against, ..answer(0.14, Some(0.9), 7.2, 13.0) };
+        let words = |against| {
+            let sentence = Answer::in_a_sentence(&against);
+            sentence.split_once(" 14 %").unwrap().0.to_owned()
+        };
+        assert_eq!(words(against(Against::Practice(practice))), "as practice. Stretch");
+        assert_eq!(words(against(Against::Waiting)), "Stretch");
+        let above = PracticeStretch { less: 0.1, same: 0.11, more: 0.12 };
+        let above = words(against(Against::Practice(above)));
+        assert_eq!(above, "skin stretch above practice. Stretch");
+    }
+
+    #[test]
+    fn the_card_names_practices_volume_and_strain_and_marks_it_on_the_bar() {
+        let session = Session::new(Scene::opening()).unwrap();
+        let practice = PracticeStretch { less: 0.19, same: 0.21, more: 0.23 };
+        let practices = Practices::of_known(Scene::opening(), Ok(practice));
+        let mut answer = Answer::new(None, session.scene(), session.problem(), &practices);
+        answer.strain = Some(0.16);
+        let [card, ..] = cards(&answer, None);
+        assert_eq!(card.line, "Practice's 300 ml would be 21 %.");
+        assert_eq!((card.verdict, card.value), (Some((0, "below practice")), Some(0.16)));
+        let BarScale::Bands { limits, mark, .. } = card.scale else { panic!("no limits") };
+        assert_eq!(mark, Some((0.21, "practice 21 %".to_owned())));
+        assert_eq!(limits, practice.limits());
     }
 
     #[test]
     fn the_bar_of_the_stretch_has_the_same_limits_before_the_result() {
         let session = Session::new(Scene::opening()).unwrap();
-        let answer = Answer::new(None, session.scene(), session.problem());
+        let practices = Practices::default();
+        let answer = Answer::new(None, session.scene(), session.problem(), &practices);
         let [card, ..] = cards(&answer, None);
         let BarScale::Bands { limits, .. } = card.scale else { panic!("no limits") };
         assert_eq!((limits.quantity, card.value), (bands::RESERVE.quantity, None));

@@ -1,6 +1,7 @@
 //! The cards on the screen: figure, word with its level, bar with limits and mark.
 
-use super::cards::{BarScale, Card, cover_marks};
+use super::bar::Bar;
+use super::cards::{BarScale, Card};
 use super::text_of;
 use crate::app::device::Device;
 use crate::app::texts::tr;
@@ -9,8 +10,8 @@ use crate::app::uncertainty::Findings;
 use crate::measure::bands;
 use crate::view::color;
 use eframe::egui::{
-    self, Align2, Color32, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, pos2,
-    vec2,
+    self, Align2, Color32, Rangef, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
+    pos2, vec2,
 };
 
 pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
@@ -33,12 +34,12 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
             if let Some(shares) = &card.shares {
                 ui.add(egui::Label::new(RichText::new(shares).small()).wrap());
             }
-            bar(ui, card);
+            draw(ui, &Bar::of(card));
             let line = RichText::new(&card.line).small().color(ui.visuals().weak_text_color());
             ui.add(egui::Label::new(line).wrap());
         })
         .response;
-    let mut tooltip = match card.scale {
+    let mut tooltip = match &card.scale {
         BarScale::Bands { limits, .. } => text_of(limits),
         BarScale::Part { .. } => tr(bands::COVER).to_owned(),
     };
@@ -82,68 +83,43 @@ fn verdict(ui: &mut Ui, card: &Card) {
     }
 }
 
-/// Draws the bar of a card: bands in their colours with their limits, or the part of a whole, and the value's mark.
-fn bar(ui: &mut Ui, card: &Card) {
+/// Draws a bar: its parts, its limits with their texts, the line of the sampled patients, the value's mark.
+fn draw(ui: &mut Ui, of: &Bar) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::hover());
     let bar = Rect::from_min_size(rect.min + vec2(0.0, 7.0), vec2(rect.width(), 8.0));
     let (palette, painter) = (theme::palette(ui.visuals()), ui.painter());
     let quiet = ui.visuals().weak_text_color();
     let font = TextStyle::Small.resolve(ui.style());
-    let outline = Stroke::new(1.0, palette.edge);
-    let most = match card.scale {
-        BarScale::Bands { most, .. } => most,
-        BarScale::Part { whole } => whole.max(1e-9),
-    };
-    let at = |value: f64| bar.left() + bar.width() * (value / most).clamp(0.0, 1.0) as f32;
-    match card.scale {
-        BarScale::Bands { limits, most, in_percent } => {
-            let mut from = 0.0;
-            let mut free = f32::NEG_INFINITY;
-            for (k, band) in limits.bands.iter().enumerate() {
-                let to = band.limit.unwrap_or(most);
-                let part = Rect::from_x_y_ranges(at(from)..=at(to), bar.y_range());
-                painter.rect_filled(part, 0.0, rgb(color::band(k)));
-                from = to;
-                let Some(limit) = band.limit else { continue };
-                painter.vline(at(limit), bar.y_range(), Stroke::new(1.0, ui.visuals().panel_fill));
-                let text = if in_percent {
-                    format!("{:.0} %", 100.0 * limit)
-                } else {
-                    format!("{limit:.0}")
-                };
-                let galley = painter.layout_no_wrap(text, font.clone(), quiet);
-                let left = at(limit) - 0.5 * galley.size().x;
-                // The next limit may be too close for its number.
-                if left > free {
-                    free = left + galley.size().x + 4.0;
-                    painter.galley(pos2(left, bar.bottom() + 1.0), galley, quiet);
-                }
-            }
-            if !in_percent {
-                let end = pos2(bar.right(), bar.bottom() + 1.0);
-                painter.text(end, Align2::RIGHT_TOP, limits.unit, font, quiet);
-            }
-        }
-        BarScale::Part { .. } => {
-            painter.rect_filled(bar, 0.0, ui.visuals().extreme_bg_color);
-            if let Some(value) = card.value {
-                painter.rect_filled(bar.with_max_x(at(value)), 0.0, rgb(color::COVER));
-            }
-            for (limit, text) in cover_marks(most) {
-                painter.vline(at(limit), bar.y_range(), Stroke::new(1.0, quiet));
-                let galley = painter.layout_no_wrap(text, font.clone(), quiet);
-                let width = galley.size().x;
-                let left = (at(limit) - 0.5 * width).min(bar.right() - width);
-                painter.galley(pos2(left, bar.bottom() + 1.0), galley, quiet);
-            }
+    let at = |part: f64| bar.left() + bar.width() * part as f32;
+    painter.rect_filled(bar, 0.0, ui.visuals().extreme_bg_color);
+    let mut from = 0.0;
+    for (to, color) in &of.parts {
+        let part = Rect::from_x_y_ranges(at(from)..=at(*to), bar.y_range());
+        painter.rect_filled(part, 0.0, rgb(*color));
+        from = *to;
+    }
+    let line = if of.has_bands { ui.visuals().panel_fill } else { quiet };
+    let mut taken: Vec<Rangef> = Vec::new();
+    for (limit, text) in &of.limits {
+        painter.vline(at(*limit), bar.y_range(), Stroke::new(1.0, line));
+        let galley = painter.layout_no_wrap(text.clone(), font.clone(), quiet);
+        let width = galley.size().x;
+        let left = (at(*limit) - 0.5 * width).clamp(bar.left(), bar.right() - width);
+        // Another limit may be too close for its text.
+        let own = Rangef::new(left - 4.0, left + width);
+        if taken.iter().all(|other| other.max < own.min || own.max < other.min) {
+            painter.galley(pos2(left, bar.bottom() + 1.0), galley, quiet);
+            taken.push(own);
         }
     }
-    painter.rect_stroke(bar, 1.0, outline, StrokeKind::Outside);
-    if let Some([low, high]) = card.range {
+    let end = pos2(bar.right(), bar.bottom() + 1.0);
+    painter.text(end, Align2::RIGHT_TOP, of.unit, font, quiet);
+    painter.rect_stroke(bar, 1.0, Stroke::new(1.0, palette.edge), StrokeKind::Outside);
+    if let Some([low, high]) = of.range {
         let line = Stroke::new(2.5, palette.text);
         painter.hline(at(low)..=at(high), bar.top() - 4.0, line);
     }
-    if let Some(value) = card.value {
+    if let Some(value) = of.value {
         let (x, top) = (at(value), bar.top());
         let mark = vec![pos2(x, top + 3.0), pos2(x - 5.0, top - 6.0), pos2(x + 5.0, top - 6.0)];
         let line = Stroke::new(1.0, ui.visuals().panel_fill);

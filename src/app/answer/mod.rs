@@ -12,12 +12,14 @@ mod shares;
 pub(super) use bar::Bar;
 pub(super) use draw::band_color;
 
+use super::action::Action;
 use super::device::Device;
 use super::no_answer;
+use super::practice::{self, Practices};
 use super::theme::{self, SPACE, SPACE_SMALL};
 use super::uncertainty::Findings;
 use crate::app::texts::{self, tr, word_of};
-use crate::measure::bands::{self, Limits};
+use crate::measure::bands::{self, Limits, SkinLimits};
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
 use crate::session::Session;
@@ -50,8 +52,9 @@ fn visible_plan(session: &Session, previous: PreviousResults) -> &Scene {
     }
 }
 
-fn answer(session: &Session, previous: PreviousResults) -> Answer {
-    Answer::new(visible(session, previous), visible_plan(session, previous), session.problem())
+fn answer(session: &Session, practices: &Practices, previous: PreviousResults) -> Answer {
+    let plan = visible_plan(session, previous);
+    Answer::new(visible(session, previous), plan, session.problem(), practices)
 }
 
 /// Shows the heading with the state of the computation.
@@ -74,12 +77,12 @@ pub(super) fn heading(ui: &mut Ui, session: &Session) {
 /// sections of the answer (sources, Uncertainty, Compare) follow below.
 pub(super) fn show(
     ui: &mut Ui,
-    session: &Session,
+    (session, practices): (&Session, &Practices),
     previous: PreviousResults,
     findings: Option<&Findings>,
     near_end: &str,
 ) {
-    let answer = answer(session, previous);
+    let answer = answer(session, practices, previous);
     for card in cards(&answer, findings) {
         show_card(ui, &card, findings);
     }
@@ -93,11 +96,11 @@ pub(super) fn show(
 /// Shows the three figures in one row, for a phone.
 pub(super) fn show_short(
     ui: &mut Ui,
-    session: &Session,
+    (session, practices): (&Session, &Practices),
     previous: PreviousResults,
     findings: Option<&Findings>,
 ) {
-    let answer = answer(session, previous);
+    let answer = answer(session, practices, previous);
     ui.columns_const(|columns: &mut [Ui; 3]| {
         for (ui, card) in columns.iter_mut().zip(cards(&answer, findings)) {
             ui.spacing_mut().item_spacing.y = 0.0;
@@ -117,11 +120,11 @@ pub(super) fn show_short(
 
 /// The cards of a device in words: title, figure, word, further line.
 pub(super) fn rows(
-    session: &Session,
+    (session, practices): (&Session, &Practices),
     device: Device,
     findings: Option<&Findings>,
 ) -> Vec<[String; 4]> {
-    let cards = cards(&answer(session, PreviousResults::Shown), findings);
+    let cards = cards(&answer(session, practices, PreviousResults::Shown), findings);
     let row = |card: Card| {
         let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
         [
@@ -135,8 +138,11 @@ pub(super) fn rows(
 }
 
 /// The bars of the cards, in the order of [`rows`].
-pub(super) fn bars(session: &Session, findings: Option<&Findings>) -> [Bar; 3] {
-    let cards = cards(&answer(session, PreviousResults::Shown), findings);
+pub(super) fn bars(
+    (session, practices): (&Session, &Practices),
+    findings: Option<&Findings>,
+) -> [Bar; 3] {
+    let cards = cards(&answer(session, practices, PreviousResults::Shown), findings);
     cards.each_ref().map(Bar::of)
 }
 
@@ -162,18 +168,23 @@ fn text_of(limits: &Limits) -> String {
 }
 
 /// The limits of a session's plan on a device with their sources, as headings with texts: those of the cards only.
-pub(super) fn limits_in_words(session: &Session, device: Device) -> [(&'static str, String); 3] {
-    let knee = session.problem().skin_knee();
-    let (limits, to_limits) = bands::strain_limits(knee);
-    let percent = |limit: f64| 100.0 * limit / to_limits;
-    let of_skin = knee.map(|_| {
-        tr!(
+pub(super) fn limits_in_words(
+    session: &Session,
+    practices: &Practices,
+    device: Device,
+) -> [(&'static str, String); 3] {
+    let scene = session.scene();
+    let skin = practices.skin(scene, session.problem().skin_knee());
+    let of_skin = match skin {
+        SkinLimits::Reserve(knee) => tr!(
             "For the skin of this plan: 80 % is a stretch of {usual:.0} %, 100 % one of {high:.0} %.\n",
-            usual = percent(0.8),
-            high = percent(1.0)
-        )
-    });
-    let stretch = format!("{}{}", of_skin.unwrap_or_default(), text_of(limits));
+            usual = 80.0 * knee,
+            high = 100.0 * knee
+        ),
+        SkinLimits::Practice(_) | SkinLimits::Tearing => String::new(),
+    };
+    let rule = practice::rule(practices, scene);
+    let stretch = format!("{rule}{of_skin}{}", text_of(&skin.limits().0));
     let texts = [
         (tr("Skin stretch"), stretch),
         (tr("Cover over implant"), tr(bands::COVER).to_owned()),
@@ -183,15 +194,21 @@ pub(super) fn limits_in_words(session: &Session, device: Device) -> [(&'static s
 }
 
 /// The fold with the sources of the limits.
-pub(super) fn sources(ui: &mut Ui, session: &Session) {
+pub(super) fn sources(
+    ui: &mut Ui,
+    session: &Session,
+    practices: &mut Practices,
+    actions: &mut Vec<Action>,
+) {
     egui::CollapsingHeader::new(tr("Where limits come from")).id_salt("sources").show_unindented(
         ui,
         |ui| {
             let device = Device::of(ui.ctx());
-            for (heading, text) in limits_in_words(session, device) {
+            for (heading, text) in limits_in_words(session, practices, device) {
                 ui.label(RichText::new(device.words(heading)).small().strong());
                 ui.label(RichText::new(text).small());
             }
+            practices.table_buttons(ui, actions);
             ui.label(
                 RichText::new(
                     tr("Right after surgery. With tissue expanders about a third of such a gain of skin \
@@ -205,7 +222,11 @@ pub(super) fn sources(ui: &mut Ui, session: &Session) {
 }
 
 /// The answer in one line with its worst word, that of the cards, as "300 ml, 12 cm: usual. Stretch 14 %, cover 7.2 mm, pressure 13 mmHg."
-pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
+pub(super) fn headline(
+    session: &Session,
+    practices: &Practices,
+    previous: PreviousResults,
+) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
     let [_, width] = volume_and_width(plan);
@@ -214,7 +235,7 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
         full if full >= 1.0 => String::new(),
         part => tr!(", {part:.0} % in place", part = 100.0 * part),
     };
-    let answer = answer(session, previous);
+    let answer = answer(session, practices, previous);
     let words = match answer.strain {
         None if session.is_working() => match no_answer::beyond_sold(plan) {
             Some(words) => format!("{} {words}", tr("updating…")),
@@ -228,7 +249,7 @@ pub(super) fn headline(session: &Session, previous: PreviousResults) -> String {
 }
 
 /// The answer of a device in a few sentences, for screen readers.
-pub(super) fn summary(session: &Session, device: Device) -> String {
+pub(super) fn summary(session: &Session, practices: &Practices, device: Device) -> String {
     if session.is_stopped() {
         return tr("Stopped: this plan has not been computed.").to_owned();
     }
@@ -245,11 +266,11 @@ pub(super) fn summary(session: &Session, device: Device) -> String {
         Status::Converged => tr("Up to date."),
     };
     let [_, width] = volume_and_width(session.scene()).map(texts::localized);
-    let answer = Answer::new(Some(outcome), session.scene(), session.problem());
-    let strain =
-        answer.strain.zip(answer.stretch()).map_or_else(String::new, |(strain, (_, word))| {
-            tr!(" Skin stretch {strain:.0} percent, {word}.", strain = 100.0 * strain, word)
-        });
+    let answer = Answer::new(Some(outcome), session.scene(), session.problem(), practices);
+    let word = answer.stretch().map_or_else(String::new, |(_, word)| format!(", {word}"));
+    let strain = answer.strain.map_or_else(String::new, |strain| {
+        tr!(" Skin stretch {strain:.0} percent{word}.", strain = 100.0 * strain, word)
+    });
     let thin = answer.cover_word().map_or_else(String::new, |(_, word)| format!(", {word}"));
     let cover = answer.cover.map_or_else(String::new, |cover| {
         tr!(" Cover {cover:.1} mm{thin}, at rest {rest:.1} mm.", cover, rest = answer.rest, thin)
@@ -297,7 +318,7 @@ mod tests {
         let mut scene = Scene::opening();
         let words = |scene: &Scene| {
             let session = Session::new(scene.clone()).unwrap();
-            limits_in_words(&session, Device::Implant)
+            limits_in_words(&session, &Practices::default(), Device::Implant)
         };
         let [(heading, stretch), (_, cover), (_, pressure)] = words(&scene);
         let knee = 100.0 * scene.skin_knee().unwrap();

@@ -1,4 +1,4 @@
-//! Plan, pins and shelf from one start of the app to the next: the platform stores three texts.
+//! Plan, pins, shelf and practice table from one start of the app to the next: the platform stores a text of each.
 
 use crate::app::plan::Choices;
 use crate::scene::Scene;
@@ -23,6 +23,10 @@ pub(in crate::app) struct Keep {
     pub(in crate::app) shelf: u64,
     /// When the present shelf is to be stored.
     pub(in crate::app) shelf_due: Option<Instant>,
+    /// The revision of the stored practice table.
+    pub(in crate::app) practice: u64,
+    /// When the present practice table is to be stored.
+    pub(in crate::app) practice_due: Option<Instant>,
     pub(in crate::app) has_failed: bool,
     /// Is the chosen language to be stored?
     pub(in crate::app) is_language_due: bool,
@@ -41,6 +45,8 @@ impl Keep {
             plan_due: None,
             shelf: 0,
             shelf_due: None,
+            practice: 0,
+            practice_due: None,
             has_failed: false,
             is_language_due: false,
             is_research_due: false,

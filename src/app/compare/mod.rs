@@ -12,6 +12,7 @@ mod table;
 pub(super) use keep::{DELAY, Keep, KeptPlan, is_due};
 pub(super) use table::rows;
 
+use super::practice::Practices;
 use super::theme::{self, Palette};
 use super::widgets::{button_if, group, remark, set_accessible_name};
 use crate::app::texts::tr;
@@ -63,6 +64,7 @@ pub(super) fn section<'a>(
     session: &Session,
     compare: &mut Compare,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+    practices: &Practices,
 ) -> Option<Command> {
     let mut command = None;
     group(ui, tr("Compare"), |ui| {
@@ -99,7 +101,7 @@ pub(super) fn section<'a>(
         });
         ui.checkbox(&mut compare.has_differences, tr("Differences in the table"))
             .on_hover_text(tr("Show this plan minus pin beside the pin's values"));
-        table::show(ui, session, compare.has_differences, sampled);
+        table::show(ui, session, compare.has_differences, sampled, practices);
     });
     command
 }

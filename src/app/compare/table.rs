@@ -2,6 +2,7 @@
 
 use crate::app::details::{figures, known_decimals, position_error};
 use crate::app::differing;
+use crate::app::practice::{Against, Practices};
 use crate::app::texts::{MOST_PRESSURE, fixed, mmhg, pressures, tr, word_of};
 use crate::app::theme::SPACE_SMALL;
 use crate::measure::{Outcome, Status, bands};
@@ -17,7 +18,7 @@ struct Row {
     decimals: usize,
     value: Value,
     /// The word of a result, that of the cards.
-    word: Option<fn(&Outcome) -> Option<&'static str>>,
+    word: Option<fn(&Outcome, Against) -> Option<&'static str>>,
 }
 
 /// The value of a row.
@@ -34,21 +35,21 @@ const ROWS: [Row; 11] = [
     Row::new("Volume", "ml", 0, Value::Plan(|scene| Parameter::Volume.value(scene))),
     Row::new("Projection", "cm", 1, Value::Plan(|scene| Field::Projection.shown(scene))),
     Row {
-        word: Some(|outcome| {
+        word: Some(|outcome, against| {
             let strain = outcome.strain.as_ref()?.max_principal;
-            Some(tr(bands::stretch(strain, outcome.skin_reserve_used).1))
+            against.word(strain, outcome.skin_reserve_used)
         }),
         ..Row::new("Most stretch", "%", 0, Value::Result(Quantity::GreatestStrain))
     },
     Row::new("Reserve used", "%", 0, Value::Result(Quantity::SkinReserveUsed)),
     Row {
-        word: Some(|outcome| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
+        word: Some(|outcome, _| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
         ..Row::new("Least cover", "mm", 1, Value::Result(Quantity::LeastCoverMm))
     },
     Row::new("Cover at the top", "mm", 1, Value::Result(Quantity::ApexCoverMm)),
     Row::new("Mean pressure", "mmHg", 0, Value::Result(Quantity::MeanPressureMmhg)),
     Row {
-        word: Some(|outcome| {
+        word: Some(|outcome, _| {
             let mmhg = outcome.contact_pressure_mmhg?.max;
             Some(word_of(&bands::PRESSURE, bands::pressure_word(mmhg)))
         }),
@@ -70,13 +71,13 @@ impl Row {
     }
 
     /// The value of a converged result.
-    fn of(&self, scene: &Scene, outcome: Option<&Outcome>) -> Option<Entry> {
+    fn of(&self, scene: &Scene, outcome: Option<&Outcome>, practices: &Practices) -> Option<Entry> {
         let outcome = outcome.filter(|outcome| outcome.status == Status::Converged)?;
         let value = match self.value {
             Value::Plan(value) => value(scene)?,
             Value::Result(quantity) => quantity.display().0 * quantity.of(outcome)?,
         };
-        let word = self.word.and_then(|word| word(outcome));
+        let word = self.word.and_then(|word| word(outcome, practices.against(scene)));
         Some(Entry { value, error: position_error(outcome), word })
     }
 
@@ -160,13 +161,15 @@ fn lines<'a>(
     session: &Session,
     has_differences: bool,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+    practices: &Practices,
 ) -> Vec<Line> {
     let line = |row: &Row| {
-        let own = row.of(session.scene(), session.result());
+        let own = row.of(session.scene(), session.result(), practices);
         let of_own = sampled(session.scene());
         let mut cells = vec![row.cell(own.as_ref(), row.band(of_own, None))];
         for pin in session.pins() {
-            let (entry, of_pin) = (row.of(pin.scene(), pin.outcome()), sampled(pin.scene()));
+            let entry = row.of(pin.scene(), pin.outcome(), practices);
+            let of_pin = sampled(pin.scene());
             cells.push(row.cell(entry.as_ref(), row.band(of_pin, None)));
             if has_differences {
                 let band = of_pin.and_then(|of_pin| row.band(of_own, Some(of_pin)));
@@ -202,6 +205,7 @@ pub(super) fn show<'a>(
     session: &Session,
     has_differences: bool,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+    practices: &Practices,
 ) {
     let mut heads = vec![(tr("this plan").to_owned(), String::new())];
     for pin in session.pins() {
@@ -215,7 +219,7 @@ pub(super) fn show<'a>(
     for line in words(session) {
         ui.add(egui::Label::new(RichText::new(line).small()).wrap());
     }
-    let lines = lines(session, has_differences, sampled);
+    let lines = lines(session, has_differences, sampled, practices);
     let columns = Columns::fitting(ui, &heads, &lines);
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(columns.space, 3.0);
@@ -336,6 +340,7 @@ fn cell(ui: &mut Ui, cell: &Cell) {
 pub(in crate::app) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
+    practices: &Practices,
 ) -> Vec<(String, Vec<[String; 2]>)> {
     // A pin of this plan stands in its column.
     let is_equal = |pin: &Pin| pin.scene().is_same_plan(session.scene());
@@ -371,7 +376,7 @@ pub(in crate::app) fn rows<'a>(
         (name, cells.collect::<Vec<_>>())
     });
     let given: Vec<_> = given.collect();
-    let numbers = lines(session, false, sampled).into_iter().map(row);
+    let numbers = lines(session, false, sampled, practices).into_iter().map(row);
     [head].into_iter().chain(given).chain(numbers).collect()
 }
 
@@ -437,7 +442,9 @@ mod tests {
         let mut session = Session::new(scene.clone()).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
         let outcome = session.result().unwrap();
-        let rows = rows(&session, &|_| None);
+        let none = Err(crate::study::NoPractice::Volume);
+        let practices = Practices::of_known(scene.clone(), none);
+        let rows = rows(&session, &|_| None, &practices);
         let cell = |name: &str| {
             let (_, cells) = rows.iter().find(|(of, _)| of == name).unwrap();
             cells[0].clone()
@@ -452,7 +459,7 @@ mod tests {
         assert_eq!(cell("Most pressure, mmHg")[1], "usual", "{rows:?}");
         // A pin of this plan is its column.
         session.apply(Command::Pin).unwrap();
-        let rows = super::rows(&session, &|_| None);
+        let rows = super::rows(&session, &|_| None, &practices);
         assert_eq!(rows[0].1, [["this plan = A", ""]]);
         assert!(rows.iter().all(|(_, cells)| cells.len() == 1), "{rows:?}");
     }

@@ -37,28 +37,9 @@ pub(in crate::app) fn implant(
         Device::Implant => implant_rows(ui, scene, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),
     };
-    let largest = largest_usual(ui, scene, choices.device, marks);
-    if let Some(size) = largest.or(changed) {
+    if let Some(size) = changed {
         shape::set_size(scene, size);
     }
-}
-
-/// The largest volume that stays usual, as a link; returns its size if that is pressed.
-fn largest_usual(ui: &mut Ui, scene: &Scene, device: Device, marks: &VolumeMarks) -> Option<Size> {
-    let words = marks.largest_usual();
-    if words.is_empty() {
-        // Always a line, so that nothing moves.
-        remark(ui, " ");
-        return None;
-    }
-    let about = |ui: &mut Ui| drop(ui.label(device.words(&marks.about_largest_usual())));
-    let Some(volume) = marks.largest_ml(scene) else {
-        remark(ui, words).on_hover_ui(about);
-        return None;
-    };
-    let link = ui.link(RichText::new(words).small()).on_hover_ui(about);
-    let changed = |size: Size| size.changed(Dimension::Volume, volume, Dimension::BaseWidth).ok();
-    link.clicked().then(|| scene.implant.size().ok().and_then(changed))?
 }
 
 /// The switch between a round implant, an anatomical one, which older plans cannot have, and an expander.

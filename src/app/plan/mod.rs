@@ -1,7 +1,7 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `pocket` (margin) | `position`
+//! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`).
 
@@ -14,6 +14,7 @@ mod insertion;
 mod patient;
 mod pocket;
 mod position;
+mod practice;
 mod shape;
 mod visit;
 
@@ -24,6 +25,7 @@ pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
+pub(super) use practice::practice;
 pub(super) use shape::{fullness, is_anatomical, shape_in_words};
 pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
 
@@ -56,6 +58,12 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         .map(|pull| (tr("Pull of the skin"), centimetres(pull)));
     let base =
         measured.and_then(|m| m.base_width_mm).map(|base| (tr("Base width"), centimetres(base)));
+    let fold = measured
+        .and_then(|m| m.fold_stretched_mm)
+        .map(|fold| (tr("Nipple–fold, stretched"), centimetres(fold)));
+    let fill = measured
+        .and_then(|m| m.envelope_fill)
+        .map(|fill| (tr("Skin filled by the breast"), practice::name_of(fill).to_owned()));
     let [x, y] = implant.center_mm;
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
     let margin = scene.pocket_radius_mm - implant.greatest_half_axis_mm();
@@ -71,6 +79,8 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         class,
         pull,
         base,
+        fold,
+        fill,
         Some((tr("Tissue"), layers.join(", "))),
         scene.may_have_chest().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),

@@ -1,19 +1,22 @@
 //! The words on the areas of the chart: each band of a quantity at the place farthest from its border.
 
 use crate::app::texts::{tr, word_of};
-use crate::study::{Map, PointStatus, Quantity};
+use crate::study::{JudgedMap, PointStatus, Quantity};
 
 /// The area of points without an answer.
 const NO_ANSWER: &str = "no answer";
+/// The area of points about which practice says nothing.
+const NO_PRACTICE: &str = "not in practice's table";
 /// Least distance of a word from the border of its area \[points of the map\].
 const LEAST_DISTANCE: usize = 2;
 
 /// The words of a map of two axes, each with its place in the units of the axes.
-pub(super) fn areas(map: &Map, quantity: Quantity) -> Vec<(&'static str, (f64, f64))> {
+pub(super) fn areas(map: JudgedMap<'_>, quantity: Quantity) -> Vec<(&'static str, (f64, f64))> {
     let [x, y] = map.axes() else { return Vec::new() };
     let Some((limits, factor)) = map.limits(quantity) else { return Vec::new() };
-    let word = |i: usize, j: usize| match map.displayed(quantity, i, j) {
-        Some((value, _)) => Some(word_of(limits, limits.word(factor * value))),
+    let word = |i: usize, j: usize| match map.scaled(quantity, i, j) {
+        Some((value, _)) => Some(word_of(&limits, limits.word(factor * value))),
+        None if map.displayed(quantity, i, j).is_some() => Some(tr(NO_PRACTICE)),
         None => (map.status(i, j) != PointStatus::Waiting).then_some(tr(NO_ANSWER)),
     };
     let words: Vec<Option<&str>> =

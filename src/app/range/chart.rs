@@ -13,7 +13,7 @@ use crate::app::texts::tr;
 use crate::app::theme;
 use crate::app::viewport::pointer_box;
 use crate::app::widgets::{arrow_keys, set_accessible_name};
-use crate::study::{Map, Quantity, Study};
+use crate::study::{JudgedMap, Map, Quantity, Study};
 use eframe::egui::{
     self, ColorImage, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, TextureOptions, Ui, vec2,
 };
@@ -85,7 +85,7 @@ impl Chart {
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
-        map: &Map,
+        map: JudgedMap<'_>,
         quantity: Quantity,
         revision: u64,
         (pins, sizes): (&Pins, &Sizes),
@@ -98,9 +98,9 @@ impl Chart {
         let response = ui.interact(rect, id, Sense::click());
         self.update(ui, map, quantity, revision);
         let drawn = self.drawn.as_ref()?;
-        let plane = plane(map, drawn, rect);
+        let plane = plane(&map, drawn, rect);
         let painter = ui.painter().with_clip_rect(area);
-        paint_axes(ui, &painter, map, drawn, &plane, quantity);
+        paint_axes(ui, &painter, &map, drawn, &plane, quantity);
         let inside = painter.with_clip_rect(rect.expand(1.0));
         paint(ui, &inside, map, drawn, &plane, (sizes.is_in_use(), pins.marks(&plane)));
         if map.axes().len() == 2 {
@@ -108,13 +108,13 @@ impl Chart {
         }
         pins.show(ui, &plane);
         paint_legend(ui, &painter, drawn, rect, area);
-        let taken = self.choose(ui, &response, map, &plane, sizes);
+        let taken = self.choose(ui, &response, &map, &plane, sizes);
         self.point(ui, &response, map, (&plane, quantity), (pins, sizes));
         taken
     }
 
     /// Draws texture and lines anew after a change of values or colours.
-    fn update(&mut self, ui: &Ui, map: &Map, quantity: Quantity, revision: u64) {
+    fn update(&mut self, ui: &Ui, map: JudgedMap<'_>, quantity: Quantity, revision: u64) {
         let key = (revision, quantity, ui.visuals().dark_mode);
         if self.drawn.as_ref().is_some_and(|drawn| drawn.key == key) {
             return;
@@ -151,7 +151,7 @@ impl Chart {
                 None => ui.ctx().load_texture("range of implants", image, TextureOptions::LINEAR),
             }
         });
-        let level = |level: f64| (readout::text(quantity, level), map.contours(quantity, level));
+        let level = |level: f64| (scale.text(level), map.contours(quantity, level));
         let volume = |(ml, path): (f64, Vec<(f64, f64)>)| (format!("{ml:.0} ml"), vec![path]);
         // A map of the volume itself has its volumes as contour lines.
         let has_volumes = quantity != Quantity::ImplantVolumeMl;
@@ -162,8 +162,8 @@ impl Chart {
             axes: map.axes().to_vec(),
             is_previous: false,
             texture,
-            scale,
             contours: map.levels(quantity).into_iter().map(level).collect(),
+            scale,
             volumes: volumes.into_iter().map(volume).collect(),
             sizes: map.typical_sizes(),
             areas: areas(map, quantity),
@@ -244,13 +244,13 @@ impl Chart {
         &mut self,
         ui: &Ui,
         response: &Response,
-        map: &Map,
+        map: JudgedMap<'_>,
         (plane, quantity): (&Plane, Quantity),
         (pins, sizes): (&Pins, &Sizes),
     ) {
         let (columns, rows) = map.shape();
         let hovered = response.hover_pos().filter(|_| !self.is_touch());
-        let hovered = hovered.map(|pointer| nearest_point(map, plane, pointer));
+        let hovered = hovered.map(|pointer| nearest_point(&map, plane, pointer));
         let chosen = self.cursor().filter(|(i, j)| *i < columns && *j < rows);
         // A key counts until the pointer moves.
         let is_still = ui.input(|input| input.pointer.delta() == egui::Vec2::ZERO);

@@ -3,9 +3,10 @@
 
 use super::plane::marks;
 use super::readout;
-use crate::app::texts::{fixed, word_of};
-use crate::measure::bands::Limits;
-use crate::study::{Map, PointStatus, Quantity};
+use crate::app::texts::{fixed, tr, word_of};
+use crate::clinical::STEP_ML;
+use crate::measure::bands::{Band, Limits};
+use crate::study::{JudgedMap, PointStatus, Quantity};
 use crate::view::color::{Rgb, in_band, sequential};
 use eframe::egui::{Color32, ColorImage};
 
@@ -21,21 +22,22 @@ pub(super) struct Scale {
     /// The displayed value from which the colours do not change any more.
     most: f64,
     /// Limits with words, and the factor from a displayed value to their unit.
-    pub(super) limits: Option<(&'static Limits, f64)>,
+    pub(super) limits: Option<(Limits, f64)>,
     pub(super) unit: &'static str,
     factor: f64,
+    quantity: Quantity,
 }
 
 impl Scale {
     /// The scale of a quantity with its limits on a map, if it has any; `range`: its least and greatest value there.
     pub(super) fn new(
         quantity: Quantity,
-        limits: Option<(&'static Limits, f64)>,
+        limits: Option<(Limits, f64)>,
         range: Option<(f64, f64)>,
     ) -> Self {
         let (factor, unit) = quantity.display();
         let limits = limits.map(|(limits, to_limits)| (limits, to_limits / factor));
-        let ends = match (limits, range) {
+        let ends = match (&limits, range) {
             (Some((limits, to_limits)), range) => {
                 let greatest = range.map_or(f64::INFINITY, |(_, most)| factor * most);
                 let mut shown =
@@ -52,8 +54,8 @@ impl Scale {
             }
             (None, None) => (0.0, 1.0),
         };
-        let most = limits.map_or(ends.1, |(limits, to_limits)| end(limits) / to_limits);
-        Self { ends, most, limits, unit, factor }
+        let most = limits.as_ref().map_or(ends.1, |(limits, to_limits)| end(limits) / to_limits);
+        Self { ends, most, limits, unit, factor, quantity }
     }
 
     /// Colour of a value \[unit of the quantity\].
@@ -64,7 +66,7 @@ impl Scale {
     /// Colour of a displayed value.
     pub(super) fn displayed(&self, value: f64) -> Color32 {
         let (least, most) = self.ends;
-        rgb(match self.limits {
+        rgb(match &self.limits {
             Some((limits, to_limits)) => {
                 in_band(limits, to_limits * self.most, (to_limits * value) as f32)
             }
@@ -72,15 +74,42 @@ impl Scale {
         })
     }
 
+    /// Is the scale that of practice?
+    pub(super) fn is_practice(&self) -> bool {
+        self.limits.as_ref().is_some_and(|(limits, _)| limits.is_of_practice())
+    }
+
+    /// The volume of a displayed limit of practice against practice's; `None` for another limit.
+    fn step_of_practice(&self, limit: f64) -> Option<String> {
+        let (limits, to_limits) = self.limits.as_ref().filter(|_| self.is_practice())?;
+        let is_limit =
+            |band: &Band| band.limit.is_some_and(|v| (v / to_limits - limit).abs() < 1e-9);
+        let sign = limits.bands.iter().position(is_limit).and_then(|k| ["−", "+"].get(k))?;
+        Some(format!("{sign}{STEP_ML:.0} ml"))
+    }
+
+    /// The number of a displayed limit, as "54" or "+30 ml".
+    fn text_of_limit(&self, limit: f64) -> String {
+        self.step_of_practice(limit).unwrap_or_else(|| format!("{limit:.0}"))
+    }
+
+    /// A level of the contour lines \[unit of the quantity\] with its unit, as "54 %" or "practice +30 ml".
+    pub(super) fn text(&self, level: f64) -> String {
+        self.step_of_practice(self.factor * level).map_or_else(
+            || readout::text(self.quantity, level),
+            |step| tr!("practice {step}", step),
+        )
+    }
+
     /// Marked values, and the word of the band above each where there are limits.
     pub(super) fn marks(&self) -> Vec<(f64, String)> {
-        match self.limits {
+        match &self.limits {
             Some((limits, to_limits)) => {
                 let limits = limits.bands.iter().filter_map(|band| band.limit);
                 let (from, to) = self.ends;
                 let shown = limits.map(|limit| limit / to_limits);
                 let shown = shown.filter(|v| *v > 0.0 && (from..=to).contains(v));
-                shown.map(|v| (v, format!("{v:.0}"))).collect()
+                shown.map(|v| (v, self.text_of_limit(v))).collect()
             }
             None => {
                 let values = marks(self.ends, 5);
@@ -93,9 +122,9 @@ impl Scale {
 
     /// Words at the middle of their bands, as far as these are shown.
     pub(super) fn words(&self) -> Vec<(f64, &'static str)> {
-        let Some((limits, to_limits)) = self.limits else { return Vec::new() };
+        let Some((limits, to_limits)) = &self.limits else { return Vec::new() };
         let mut from = self.ends.0;
-        let word = |band: &crate::measure::bands::Band| {
+        let word = |band: &Band| {
             let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits).min(self.ends.1);
             let middle = (to > from).then_some(0.5 * (from + to));
             from = from.max(to);
@@ -119,7 +148,7 @@ fn rgb(color: Rgb) -> Color32 {
 /// with a point that is not computed are striped, those of points solved in full without an answer are crossed, cells without
 /// any value are transparent.
 pub(super) fn picture(
-    map: &Map,
+    map: JudgedMap<'_>,
     quantity: Quantity,
     scale: &Scale,
     stripes: Color32,
@@ -183,16 +212,18 @@ enum Missing {
 }
 
 impl Point {
-    fn new(map: &Map, quantity: Quantity, i: usize, j: usize) -> Self {
-        let displayed = map.displayed(quantity, i, j);
+    fn new(map: JudgedMap<'_>, quantity: Quantity, i: usize, j: usize) -> Self {
+        let displayed = map.scaled(quantity, i, j);
         Self {
             value: displayed.map_or(f64::NAN, |(value, _)| value),
             is_solved: displayed.is_some_and(|(_, is_solved)| is_solved),
             missing: match map.status(i, j) {
                 _ if displayed.is_some() => None,
+                // Practice says nothing here.
+                PointStatus::Converged if map.value(quantity, i, j).is_some() => None,
                 PointStatus::Waiting => None,
                 PointStatus::Converged | PointStatus::Invalid => Some(Missing::NoAnswer),
-                _ if readout::is_final(map, i, j) => Some(Missing::NoAnswer),
+                _ if readout::is_final(&map, i, j) => Some(Missing::NoAnswer),
                 _ => Some(Missing::NotComputed),
             },
         }
@@ -202,13 +233,15 @@ impl Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::bands::SkinLimits;
     use crate::scene::Scene;
-    use crate::study::{Axis, Cases, MapSettings, Study, evaluate};
+    use crate::study::{Axis, Cases, Map, MapSettings, Study, evaluate};
 
     #[test]
     fn colours_change_at_the_limits_and_the_words_stand_in_their_bands() {
-        let scale_of_range =
-            |quantity: Quantity, range| Scale::new(quantity, quantity.limits(None), range);
+        let scale_of_range = |quantity: Quantity, range| {
+            Scale::new(quantity, quantity.limits(SkinLimits::Tearing), range)
+        };
         let scale = scale_of_range(Quantity::GreatestStrain, None);
         assert!((scale.ends.1 - 67.5).abs() < 1e-9);
         let labels: Vec<String> = scale.marks().into_iter().map(|(_, label)| label).collect();
@@ -240,7 +273,9 @@ mod tests {
         let mut map = Map::new(&Scene::sheet(), &axes, settings).unwrap();
         let quantity = Quantity::SkinProjectionMm;
         let scale = Scale::new(quantity, None, Some((30.0, 60.0)));
-        let image = |map: &Map| picture(map, quantity, &scale, Color32::RED).pixels;
+        let image = |map: &Map| {
+            picture(JudgedMap { map, practice: None }, quantity, &scale, Color32::RED).pixels
+        };
         assert!(image(&map).iter().all(|pixel| *pixel == Color32::TRANSPARENT));
         let mut store = Cases::default();
         while let Some((index, job)) = map.next_job(&mut store) {

@@ -65,8 +65,8 @@ impl Range {
 impl ReportChart<'_> {
     /// Shows the chart in the remaining space.
     pub(in crate::app) fn show(&mut self, ui: &mut Ui) {
-        let Range { map, pins, sizes, quantity, revision, .. } = self.range;
-        if let Some(map) = map.study() {
+        let Range { pins, sizes, quantity, revision, .. } = self.range;
+        if let Some(map) = self.range.judged() {
             self.chart.show(ui, map, *quantity, *revision, (pins, sizes));
         }
     }
@@ -75,6 +75,7 @@ impl ReportChart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::practice::Practices;
     use crate::app::range::AxisChoice;
     use crate::app::studies::Studies;
     use crate::app::theme;
@@ -176,7 +177,7 @@ mod tests {
         let check = range.map.study().and_then(Map::check).unwrap();
         range.check.start(check, &mut studies);
         assert!(range.check.is_running());
-        range.advance(&ctx, session.scene(), &mut studies);
+        range.advance(&ctx, session.scene(), &Practices::default(), &mut studies);
         assert!(!range.is_open && !range.check.is_running());
         assert!(range.for_report(&session).is_ok());
     }
@@ -200,7 +201,7 @@ mod tests {
         // The former plan again, on the opened page.
         range.is_open = true;
         let mut studies = Studies::new(&egui::Context::default(), |_| Box::new(Never(0)));
-        range.advance(&egui::Context::default(), &before, &mut studies);
+        range.advance(&egui::Context::default(), &before, &Practices::default(), &mut studies);
         assert_eq!(place(&range), own);
     }
 

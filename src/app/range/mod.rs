@@ -1,7 +1,7 @@
 //! The range of implants at a glance: a chart over one or two numbers of the plan, each point one solved scene.
 //!
 //! `axes` (the numbers on offer, their words and units) | `plane` (values to points of the screen) | `colours` (scale and
-//! picture) | `readout` (values of a point in words) | `areas` (their words) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic), `shelf_preview` (their table before it is taken) | `paint` (drawing) | `chart` (pointer
+//! picture) | `readout` (values of a point in words) | `areas` (their words) | `practice` (what the stretches of the points are compared with) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic), `shelf_preview` (their table before it is taken) | `paint` (drawing) | `chart` (pointer
 //! and keys) | `controls` | `page` (chart, captions, files) | `figure` (the chart of the report). This file contains the choices and the studies behind the chart.
 
 mod areas;
@@ -14,6 +14,7 @@ mod page;
 mod paint;
 mod pins;
 mod plane;
+mod practice;
 mod readout;
 mod shelf;
 mod shelf_preview;
@@ -22,14 +23,16 @@ pub(super) use page::within_text;
 pub(super) use plane::marks;
 pub(super) use shelf::{Sizes, with_size};
 
+use super::practice::Practices;
 use super::studies::{Driver, Studies};
 use crate::app::texts::tr;
 use crate::scene::{Field, Implant, Scene};
-use crate::study::{Axis, Map, MapCheck, MapSettings, Parameter, Quantity};
+use crate::study::{Axis, JudgedMap, Map, MapCheck, MapSettings, Parameter, Quantity};
 use axes::Words;
 use chart::Chart;
 use eframe::egui;
 use pins::Pins;
+use practice::ChartPractice;
 use web_time::{Duration, Instant};
 
 /// Numbers of values of an axis: coarse, medium, fine; and of a curve.
@@ -82,6 +85,7 @@ pub(super) struct Range {
     revision: u64,
     /// Number of starts and moves of maps.
     starts: u64,
+    practice: ChartPractice,
     pins: Pins,
     pub(super) sizes: Sizes,
     chart: Chart,
@@ -105,6 +109,7 @@ impl Default for Range {
             done: None,
             revision: 0,
             starts: 0,
+            practice: ChartPractice::default(),
             pins: Pins::default(),
             sizes: Sizes::default(),
             chart: Chart::default(),
@@ -115,7 +120,13 @@ impl Default for Range {
 impl Range {
     /// Follows the scene and the choices, once a frame: starts a map for another scene, passes on finished jobs, compares a
     /// complete map with a finer grid.
-    pub(super) fn advance(&mut self, ctx: &egui::Context, scene: &Scene, studies: &mut Studies) {
+    pub(super) fn advance(
+        &mut self,
+        ctx: &egui::Context,
+        scene: &Scene,
+        practices: &Practices,
+        studies: &mut Studies,
+    ) {
         if !self.is_open {
             self.is_fresh = true;
             // A closed chart costs nothing; solved cases stay stored, a complete map stays for the report.
@@ -136,6 +147,9 @@ impl Range {
         if self.map.advance(studies) {
             self.revision += 1;
             self.done = None;
+        }
+        if self.practice.follow(self.map.study(), self.starts, practices) {
+            self.revision += 1;
         }
         self.check.advance(studies);
         let Some(map) = self.map.finished() else { return };
@@ -239,6 +253,16 @@ impl Range {
         }
     }
 
+    /// The present map with what its strains are compared with.
+    fn judged(&self) -> Option<JudgedMap<'_>> {
+        self.map.study().map(|map| JudgedMap { map, practice: self.practice.found() })
+    }
+
+    /// The plans of the open chart whose practice is wanted.
+    pub(super) fn wanted(&self) -> impl Iterator<Item = &Scene> {
+        self.practice.wanted().iter().filter(|_| self.is_open)
+    }
+
     /// Forgets what belongs to a lost graphics context.
     pub(super) fn forget_texture(&mut self) {
         self.chart.forget_texture();
@@ -251,7 +275,7 @@ impl Range {
 
     /// The chosen point in words, for screen readers; `None` without one.
     pub(super) fn summary(&self) -> Option<String> {
-        let map = self.map.study().filter(|_| self.is_open)?;
+        let map = self.judged().filter(|_| self.is_open)?;
         let (i, j) = self.chart.cursor()?;
         Some(readout::sentence(map, i, j, self.quantity))
     }

@@ -14,7 +14,7 @@ use crate::app::theme;
 use crate::app::toolbar::Layout;
 use crate::app::widgets::{rejection_label, remark};
 use crate::scene::Scene;
-use crate::study::{CHECK, Map, Parameter, PointStatus, Quantity, with_values};
+use crate::study::{CHECK, JudgedMap, Map, Parameter, PointStatus, Quantity, with_values};
 use eframe::egui::{self, Button, RichText, Ui};
 use implant_preview_charts::scene_map;
 
@@ -88,11 +88,11 @@ impl Range {
     fn values(&self, ui: &mut Ui) {
         // The header is always there, so that nothing moves.
         egui::CollapsingHeader::new(tr("All values")).id_salt("range values").show(ui, |ui| {
-            let Some((map, (i, j))) = self.map.study().zip(self.chart.shown()) else {
+            let Some((map, (i, j))) = self.judged().zip(self.chart.shown()) else {
                 remark(ui, tr("Those of the plan at the pointer, or chosen by the arrow keys."));
                 return;
             };
-            remark(ui, format!("{}:", readout::place(map, i, j)));
+            remark(ui, format!("{}:", readout::place(&map, i, j)));
             remark(ui, readout::lines(map, i, j, self.quantity).join(" · "));
         });
     }
@@ -256,8 +256,9 @@ impl Range {
             }
         });
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-            let Self { map, chart, quantity, revision, pins, sizes, .. } = self;
+            let Self { map, practice, chart, quantity, revision, pins, sizes, .. } = self;
             if let Some(map) = map.study() {
+                let map = JudgedMap { map, practice: practice.found() };
                 taken = chart.show(ui, map, *quantity, *revision, (pins, sizes)).or(taken);
             }
         });
@@ -270,7 +271,7 @@ impl Range {
 
     /// Takes the implant of a point: one step of the history, as an edit of the plan.
     fn take(&self, i: usize, j: usize, scene: &mut Scene, actions: &mut Vec<Action>) {
-        let Some(map) = self.map.study() else { return };
+        let Some(map) = self.judged() else { return };
         let values: Vec<(Parameter, f64)> =
             map.axes().iter().zip([i, j]).map(|(a, k)| (a.field, a.value(k))).collect();
         let taken = match map.status(i, j) {
@@ -280,7 +281,7 @@ impl Range {
         match taken {
             Ok(taken) => *scene = taken,
             Err(reason) => {
-                let place = readout::place(map, i, j);
+                let place = readout::place(&map, i, j);
                 let words = tr!("{place} was not taken. {reason}", place, reason);
                 actions.push(Action::Notify(Notice::caution(words)));
             }

@@ -6,7 +6,7 @@ use super::plane::{Plane, marks};
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::quantity::format_at_most;
-use crate::study::{Axis, Map, Quantity};
+use crate::study::{Axis, JudgedMap, Map, Quantity};
 use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle,
     TextureHandle, Ui, pos2, vec2,
@@ -43,7 +43,7 @@ pub(super) fn plane(map: &Map, drawn: &Drawn, rect: Rect) -> Plane {
         let (least, most) = drawn.scale.ends;
         let (factor, _) = drawn.key.1.display();
         let greatest = map.range(drawn.key.1).map_or(most, |(_, greatest)| factor * greatest);
-        match drawn.scale.limits {
+        match &drawn.scale.limits {
             // Values may lie above the bar of colours.
             Some(_) => (least, most.max(1.05 * greatest)),
             None => (least - 0.08 * (most - least), most + 0.08 * (most - least)),
@@ -60,7 +60,7 @@ fn small(ui: &Ui) -> FontId {
 pub(super) fn paint(
     ui: &Ui,
     painter: &Painter,
-    map: &Map,
+    map: JudgedMap<'_>,
     drawn: &Drawn,
     plane: &Plane,
     (has_shelf, pins): (bool, Vec<Rect>),
@@ -109,7 +109,7 @@ pub(super) fn paint(
     } else {
         curve(ui, painter, map, drawn, plane, drawn.key.1);
     }
-    let beside = present(ui, painter, map, plane, &mut labels);
+    let beside = present(ui, painter, &map, plane, &mut labels);
     for (text, lines) in &drawn.contours {
         let longest = lines.iter().max_by_key(|line| line.len());
         if let Some(points) = longest {
@@ -129,17 +129,30 @@ pub(super) fn paint(
 }
 
 /// Draws a curve over one axis with the limits of its quantity.
-fn curve(ui: &Ui, painter: &Painter, map: &Map, drawn: &Drawn, plane: &Plane, quantity: Quantity) {
+fn curve(
+    ui: &Ui,
+    painter: &Painter,
+    map: JudgedMap<'_>,
+    drawn: &Drawn,
+    plane: &Plane,
+    quantity: Quantity,
+) {
     let palette = theme::palette(ui.visuals());
     let Some(axis) = map.axes().first() else { return };
-    if drawn.scale.limits.is_some() {
+    let dashes = Stroke::new(1.0, palette.edge);
+    let factor = quantity.display().0;
+    let of_practice = drawn.scale.is_practice();
+    for line in map.practice_lines().into_iter().filter(|_| of_practice) {
+        let line: Vec<Pos2> = line.iter().map(|(x, v)| plane.at((*x, factor * v))).collect();
+        painter.extend(Shape::dashed_line(&line, dashes, 5.0, 4.0));
+    }
+    if drawn.scale.limits.is_some() && !of_practice {
         for (limit, _) in drawn.scale.marks() {
             let y = plane.at((axis.from, limit)).y;
             let ends = [pos2(plane.rect.left(), y), pos2(plane.rect.right(), y)];
-            painter.extend(Shape::dashed_line(&ends, Stroke::new(1.0, palette.edge), 5.0, 4.0));
+            painter.extend(Shape::dashed_line(&ends, dashes, 5.0, 4.0));
         }
     }
-    let factor = quantity.display().0;
     let point = |i: usize| {
         let (value, is_solved) = map.displayed(quantity, i, 0)?;
         Some((plane.at((axis.value(i), factor * value)), is_solved))

@@ -2,8 +2,8 @@
 
 use super::axes::Words;
 use crate::app::texts::{fixed, pressure, tr, word_of};
-use crate::measure::bands;
-use crate::study::{Map, Parameter, PointStatus, Quantity};
+use crate::measure::bands::{self, PracticeStretch, SkinLimits};
+use crate::study::{JudgedMap, Map, Parameter, PointStatus, Quantity};
 
 /// The usual quantities, first on offer.
 const USUAL: [Quantity; 8] = [
@@ -71,7 +71,7 @@ fn lower(words: &str) -> String {
 
 /// The values of a point, one per line: `first`, then the others in their order. A value between computed points is
 /// marked; a point without an answer has the reason.
-pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<String> {
+pub(super) fn lines(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> Vec<String> {
     let others = quantities().filter(|quantity| *quantity != first);
     let values = std::iter::once(first).chain(others).filter_map(|quantity| {
         let (value, is_solved) = map.displayed(quantity, i, j)?;
@@ -87,7 +87,7 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
         PointStatus::Waiting => {
             Some(tr("Values between computed points; being computed.").to_owned())
         }
-        PointStatus::NotConverged | PointStatus::NoShape if !is_final(map, i, j) => {
+        PointStatus::NotConverged | PointStatus::NoShape if !is_final(&map, i, j) => {
             Some(tr(NOT_COMPUTED).to_owned())
         }
         PointStatus::NotConverged => {
@@ -107,13 +107,19 @@ pub(super) fn lines(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
 }
 
 /// The word of a value at a point: that of the cards.
-fn word(map: &Map, quantity: Quantity, value: f64, (i, j): (usize, usize)) -> Option<&'static str> {
+fn word(
+    map: JudgedMap<'_>,
+    quantity: Quantity,
+    value: f64,
+    (i, j): (usize, usize),
+) -> Option<&'static str> {
     if quantity == Quantity::GreatestStrain {
         let reserve = map.displayed(Quantity::SkinReserveUsed, i, j);
-        return Some(tr(bands::stretch(value, reserve.map(|(share, _)| share)).1));
+        let reserve = reserve.map(|(share, _)| share);
+        return Some(tr(bands::stretch_by(map.practice_of_point(i, j), value, reserve).1));
     }
-    let (limits, factor) = quantity.limits(None)?;
-    Some(word_of(limits, limits.word(factor * value)))
+    let (limits, factor) = quantity.limits(SkinLimits::Tearing)?;
+    Some(word_of(&limits, limits.word(factor * value)))
 }
 
 /// Is the missing answer of a point that of a plan? The quick solve of a sheet is the full one.
@@ -123,8 +129,9 @@ pub(super) fn is_final(map: &Map, i: usize, j: usize) -> bool {
 
 /// The worst of stretch, cover and pressure at a point, as "Skin stretch: 31 %, high"; the first of equal ones.
 ///
-/// `displayed`: the value of a quantity, and whether the value is solved.
+/// `displayed`: the value of a quantity, and whether the value is solved; `practice`: that of the point.
 pub(super) fn worst(
+    practice: Option<PracticeStretch>,
     displayed: &dyn Fn(Quantity) -> Option<(f64, bool)>,
 ) -> Option<(Quantity, String)> {
     let value = |quantity: Quantity| displayed(quantity).map(|(value, _)| value);
@@ -132,7 +139,7 @@ pub(super) fn worst(
     let mut worst = (
         Quantity::GreatestStrain,
         strain,
-        bands::stretch(strain, value(Quantity::SkinReserveUsed)),
+        bands::stretch_by(practice, strain, value(Quantity::SkinReserveUsed)),
     );
     let cover = value(Quantity::LeastCoverMm)
         .and_then(|cover| Some((Quantity::LeastCoverMm, cover, bands::cover(cover)?)));
@@ -144,15 +151,16 @@ pub(super) fn worst(
         }
     }
     let (quantity, value, (_, word)) = worst;
-    let word = quantity.limits(None).map_or(tr(word), |(limits, _)| word_of(limits, word));
+    let word =
+        quantity.limits(SkinLimits::Tearing).map_or(tr(word), |(limits, _)| word_of(&limits, word));
     let about = if is_solved { "" } else { tr("about ") };
     Some((quantity, format!("{}: {about}{}, {word}", tr(quantity.title()), text(quantity, value))))
 }
 
 /// A point in few lines: its size, what is missing, the worst of the three cards, the colour's quantity if that is another
 /// one.
-pub(super) fn short(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<String> {
-    let mut size = place(map, i, j);
+pub(super) fn short(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> Vec<String> {
+    let mut size = place(&map, i, j);
     let is_size = map.axes().iter().any(|axis| axis.field.moves_implant());
     let has_volume = map.axes().iter().any(|axis| axis.field == Parameter::Volume);
     if is_size
@@ -163,7 +171,9 @@ pub(super) fn short(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
         size += &format!(", {volume:.0} ml");
     }
     let all = lines(map, i, j, first);
-    let Some((quantity, worst)) = worst(&|quantity| map.displayed(quantity, i, j)) else {
+    let Some((quantity, worst)) =
+        worst(map.practice_of_point(i, j), &|quantity| map.displayed(quantity, i, j))
+    else {
         return std::iter::once(size).chain(all.into_iter().take(1)).collect();
     };
     let mut short = vec![size, worst];
@@ -174,12 +184,12 @@ pub(super) fn short(map: &Map, i: usize, j: usize, first: Quantity) -> Vec<Strin
 }
 
 /// A point in one sentence, for screen readers: its place and the first values.
-pub(super) fn sentence(map: &Map, i: usize, j: usize, first: Quantity) -> String {
+pub(super) fn sentence(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> String {
     const VALUES: usize = 4;
     let mut lines = lines(map, i, j, first);
     lines.truncate(VALUES);
     let values = lines.join("; ").replace('%', tr("percent"));
-    format!("{}: {}.", place(map, i, j), values.trim_end_matches('.'))
+    format!("{}: {}.", place(&map, i, j), values.trim_end_matches('.'))
 }
 
 #[cfg(test)]
@@ -187,6 +197,10 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
     use crate::study::{Axis, Case, Cases, MapSettings, Study, evaluate};
+
+    fn judged(map: &Map) -> JudgedMap<'_> {
+        JudgedMap { map, practice: None }
+    }
 
     fn map() -> Map {
         let axes = ["base_width_mm=100:140:3", "projection_mm=30:50:3"];
@@ -199,7 +213,7 @@ mod tests {
     fn the_values_of_a_point_are_those_of_its_case() {
         let (mut map, mut store) = (map(), Cases::default());
         let first = Quantity::GreatestStrain;
-        assert_eq!(lines(&map, 1, 1, first), ["Being computed."]);
+        assert_eq!(lines(judged(&map), 1, 1, first), ["Being computed."]);
         // The corners are solved before the middle.
         let (index, mut job) = map.next_job(&mut store).unwrap();
         job.scenes.truncate(4);
@@ -209,7 +223,7 @@ mod tests {
             Case { status: None, error: Some("a defect".to_owned()), ..Case::default() },
         );
         map.receive(index, cases, &mut store);
-        let shown = lines(&map, 0, 0, first);
+        let shown = lines(judged(&map), 0, 0, first);
         let strain = map.value(first, 0, 0).unwrap();
         assert_eq!(shown[0], format!("Skin stretch: {:.0} %, usual", 100.0 * strain));
         let cover = map.value(Quantity::LeastCoverMm, 0, 0).unwrap();
@@ -218,21 +232,21 @@ mod tests {
         // Another quantity comes first on request.
         let force = map.value(Quantity::ForceN, 0, 0).unwrap();
         assert_eq!(
-            lines(&map, 0, 0, Quantity::ForceN)[0],
+            lines(judged(&map), 0, 0, Quantity::ForceN)[0],
             format!("Force, vertical: {force:.1} N")
         );
         // In short: the size, the worst of the three, the colour's quantity.
-        let short_of = |quantity| short(&map, 0, 0, quantity);
+        let short_of = |quantity| short(judged(&map), 0, 0, quantity);
         let stretch = format!("Skin stretch: {:.0} %, usual", 100.0 * strain);
         let size = "Width 10 cm, projection 3 cm, 157 ml".to_owned();
         assert_eq!(short_of(first), [size.clone(), stretch.clone()]);
         let of_force = format!("Force, vertical: {force:.1} N");
         assert_eq!(short_of(Quantity::ForceN), [size, stretch, of_force]);
-        assert_eq!(short(&map, 1, 1, first)[1], "No answer: a defect.");
-        let words = sentence(&map, 0, 0, first);
+        assert_eq!(short(judged(&map), 1, 1, first)[1], "No answer: a defect.");
+        let words = sentence(judged(&map), 0, 0, first);
         assert!(words.starts_with("Width 10 cm, projection 3 cm: Skin stretch: "), "{words}");
         assert!(words.contains(" percent, usual; ") && words.ends_with('.'), "{words}");
-        assert_eq!(lines(&map, 1, 1, first)[0], "No answer: a defect.");
+        assert_eq!(lines(judged(&map), 1, 1, first)[0], "No answer: a defect.");
     }
 
     #[test]
@@ -247,7 +261,7 @@ mod tests {
                 && map.displayed(Quantity::GreatestStrain, *i, 0).is_some()
         };
         let waiting = (0..41).find(is_between).unwrap();
-        let shown = lines(&map, waiting, 0, Quantity::GreatestStrain);
+        let shown = lines(judged(&map), waiting, 0, Quantity::GreatestStrain);
         assert!(shown[0].starts_with("Values between computed points"), "{shown:?}");
         assert!(shown[1].starts_with("Skin stretch: about "), "{shown:?}");
     }

@@ -10,7 +10,7 @@ use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Draft, HALF_ELLIPSOID, Shelf, ShelfSize};
 use crate::scene::{Field, Scene};
-use crate::study::{Map, Parameter, with_values};
+use crate::study::{JudgedMap, Map, Parameter, with_values};
 use eframe::egui::{self, Color32, Painter, Pos2, RichText, Stroke, Ui};
 
 /// Radius of a dot, and distance of a pointer that means the dot \[points\].
@@ -100,7 +100,7 @@ impl Sizes {
     /// The place of a size on the screen, and its words with the worst of the three cards there.
     pub(super) fn readout(
         &self,
-        map: &Map,
+        map: JudgedMap<'_>,
         plane: &Plane,
         index: usize,
     ) -> Option<(Pos2, Vec<String>)> {
@@ -108,7 +108,9 @@ impl Sizes {
         let value =
             |quantity| map.between(quantity, dot.at.0, dot.at.1).map(|value| (value, false));
         let mut lines = vec![dot.words.clone()];
-        lines.extend(readout::worst(&value).map(|(_, words)| words));
+        lines.extend(
+            readout::worst(map.practice_at(dot.at.0, dot.at.1), &value).map(|(_, words)| words),
+        );
         Some((plane.at(dot.at), lines))
     }
 }

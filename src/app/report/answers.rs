@@ -23,7 +23,7 @@ pub(super) fn answers(page: &mut String, answers: &[([String; 4], Bar)]) {
     for ([title, figure, word, line], bar) in answers {
         page.push_str("<div>");
         put(page, "h3", title);
-        let class = bar.band.map_or_else(|| "none".to_owned(), |band| format!("band{band}"));
+        let class = bar.level.map_or_else(|| "none".to_owned(), |band| format!("band{band}"));
         let _ = write!(page, "<p class=\"verdict {class}\">{}</p>", escaped(word));
         put(page, "p", figure);
         draw(page, bar);
@@ -52,14 +52,16 @@ fn draw(page: &mut String, bar: &Bar) {
         "<rect x=\".4\" y=\"{TOP}\" width=\"{:.1}\" height=\"{THICK}\" {frame}/>",
         WIDTH - 0.8
     );
-    // The next limit may be too close for its number.
-    let mut free = f64::NEG_INFINITY;
+    let mut taken: Vec<[f64; 2]> = Vec::new();
     for (limit, text) in &bar.limits {
-        let (x, half) = (at(*limit), 0.3 * NUMBERS * text.chars().count() as f64);
-        if x - half < free {
+        let half = 0.3 * NUMBERS * text.chars().count() as f64;
+        let x = at(*limit).clamp(half, (WIDTH - half).max(half));
+        // Another limit may be too close for its text.
+        let own = [x - half - 3.0, x + half];
+        if taken.iter().any(|other| own[0] < other[1] && other[0] < own[1]) {
             continue;
         }
-        free = x + half + 3.0;
+        taken.push(own);
         let _ = write!(
             page,
             "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"{NUMBERS}\" text-anchor=\"middle\" fill=\"#555\">{}</text>",
@@ -103,7 +105,9 @@ mod tests {
             limits: vec![(0.5, "80 %".to_owned()), (0.51, "81 %".to_owned())],
             value: Some(0.25),
             range: None,
-            band: Some(1),
+            has_bands: true,
+            unit: "",
+            level: Some(1),
         };
         let mut page = String::new();
         let texts = ["Skin stretch", "18 % longer", "high", "a < b"].map(str::to_owned);

@@ -13,6 +13,7 @@ use super::answer::{self, PreviousResults};
 use super::compare;
 use super::device::Device;
 use super::filling::Filling;
+use super::practice::Practices;
 use super::range::Range;
 use super::shared::Shared;
 use super::theme::SPACE;
@@ -46,18 +47,19 @@ const FIGURE_SCALE: f32 = 2.0;
 /// # Errors
 /// Returns why no picture was made.
 pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
-    let Shared { session, choices, options, uncertainty, viewport, .. } = shared;
+    let Shared { session, choices, options, uncertainty, viewport, practices, .. } = shared;
     let (session, options, device) = (&*session, &*options, choices.device);
+    let practices = &*practices;
     let figure = Figure {
-        headline: answer::headline(session, PreviousResults::Shown),
+        headline: answer::headline(session, practices, PreviousResults::Shown),
         plan: plan::rows(session.scene(), device),
-        cards: cards(session, device, uncertainty.findings()),
+        cards: cards((session, practices), device, uncertainty.findings()),
         remarks: remarks(session, device),
         patient: plan::patient_in_words(session.scene()),
         origin: format!("{} · {}", origin(), status::model(session.scene(), true)),
     };
     let envelope = uncertainty.envelope().unwrap_or_default();
-    let shown = Shown { envelope, is_on_paper: true, ..Shown::new(session, options) };
+    let shown = Shown { envelope, is_on_paper: true, ..Shown::new(session, options, practices) };
     viewport.aside(|viewport| {
         let gl = viewport.graphics()?;
         offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
@@ -72,14 +74,15 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
 
 /// The pictures of the report with what belongs to them.
 fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
-    let Shared { session, compare, uncertainty, viewport, choices, .. } = shared;
+    let Shared { session, compare, uncertainty, viewport, choices, practices, .. } = shared;
     let (session, compare, device) = (&*session, &*compare, choices.device);
+    let practices = &*practices;
     // The same views in every report, whatever the screen shows.
     let options = Options::natural();
     let standing = |standing| Shown {
         is_on_paper: true,
         standing: Some(standing),
-        ..Shown::new(session, &options)
+        ..Shown::new(session, &options, practices)
     };
     // A pin of this plan is its picture.
     let is_other = |pin: &&Pin| !pin.scene().is_same_plan(session.scene());
@@ -154,11 +157,11 @@ pub(super) fn report(
     filling: &Filling,
 ) -> Result<String, String> {
     let Pictures { poses, pins, further, missing, accuracy } = pictures(shared, range)?;
-    let Shared { session, choices, uncertainty, volume_marks, .. } = &*shared;
+    let Shared { session, choices, uncertainty, volume_marks, practices, .. } = &*shared;
     let device = choices.device;
     let findings = uncertainty.findings();
     let sampled = |scene: &_| uncertainty.values(scene);
-    let bars = answer::bars(session, findings);
+    let bars = answer::bars((session, practices), findings);
     let page = Page {
         poses,
         pins,
@@ -168,8 +171,8 @@ pub(super) fn report(
         visit: plan::visit_in_words(session.scene()),
         running: running_head(session.scene()),
         origin: origin(),
-        headline: answer::headline(session, PreviousResults::Shown)
-            + &volume_marks.largest_in_words(),
+        headline: answer::headline(session, practices, PreviousResults::Shown)
+            + &volume_marks.largest_in_words(practices),
         plan: plan::rows(session.scene(), device),
         technical: [
             status::model(session.scene(), true),
@@ -180,12 +183,12 @@ pub(super) fn report(
         .into_iter()
         .filter(|words| !words.is_empty())
         .collect(),
-        answers: cards(session, device, findings).into_iter().zip(bars).collect(),
+        answers: cards((session, practices), device, findings).into_iter().zip(bars).collect(),
         remarks: remarks(session, device),
-        table: compare::rows(session, &sampled),
+        table: compare::rows(session, &sampled, practices),
         bands: uncertainty.about_bands(),
         steps: filling.steps(session.scene()),
-        limits: answer::limits_in_words(session, device).to_vec(),
+        limits: answer::limits_in_words(session, practices, device).to_vec(),
         plan_json: session.document_json(),
     };
     Ok(page.html())
@@ -213,8 +216,15 @@ fn running_head(scene: &Scene) -> String {
 }
 
 /// The cards in words; none without an answer.
-fn cards(session: &Session, device: Device, findings: Option<&Findings>) -> Vec<[String; 4]> {
-    if no_answer::applies(session) { Vec::new() } else { answer::rows(session, device, findings) }
+fn cards(
+    (session, practices): (&Session, &Practices),
+    device: Device,
+    findings: Option<&Findings>,
+) -> Vec<[String; 4]> {
+    if no_answer::applies(session) {
+        return Vec::new();
+    }
+    answer::rows((session, practices), device, findings)
 }
 
 /// The warnings of the result; without an answer what that means, and what the picture is.

@@ -276,8 +276,15 @@ mod tests {
             address: data_address(png),
             caption: caption.to_owned(),
         };
-        let bar =
-            Bar { parts: Vec::new(), limits: Vec::new(), value: None, range: None, band: None };
+        let bar = Bar {
+            parts: Vec::new(),
+            limits: Vec::new(),
+            has_bands: true,
+            unit: "",
+            value: None,
+            range: None,
+            level: None,
+        };
         let page = Page {
             poses: vec![picture("From the front", &[1, 2, 3], "")],
             pins: Some(picture("Pins", &[5], "")),

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::app::commands::COMMANDS;
-use crate::clinical::SkinClass;
-use crate::measure::{bands, no_shape};
+use crate::clinical::{BUILT_IN_SOURCE, Corrected, SkinClass};
+use crate::measure::bands::{self, PracticeStretch};
+use crate::measure::no_shape;
 use crate::scene::Field;
 use crate::scene::visit::Side;
 use crate::solve::Invalid;
@@ -154,7 +155,9 @@ fn the_languages_have_the_same_places_and_spaces() {
 
 #[test]
 fn the_words_of_other_modules_have_rows() {
+    let practice = PracticeStretch { less: 0.1, same: 0.2, more: 0.3 }.limits();
     let bands = bands::LIMITS.iter().flat_map(|limits| limits.bands.iter());
+    let bands = bands.chain(practice.bands.iter());
     let causes = [
         None,
         Some(Invalid::Penetrated),
@@ -174,7 +177,8 @@ fn the_words_of_other_modules_have_rows() {
         .chain(numbers)
         .chain(Field::ALL.iter().map(|field| field.scale.unit).filter(|unit| unit.contains(' ')))
         .chain(Quantity::ALL.map(Quantity::title))
-        .chain([bands::COVER, "skin", "adipose", "muscle"]);
+        .chain(Corrected::ALL.map(Corrected::words))
+        .chain([bands::COVER, BUILT_IN_SOURCE, "skin", "adipose", "muscle"]);
     let missing: BTreeSet<&str> =
         words.filter(|word| !word.is_empty() && spanish(word).is_none()).collect();
     assert!(missing.is_empty(), "without a row: {missing:#?}");

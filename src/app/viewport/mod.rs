@@ -17,6 +17,7 @@ pub(crate) use marks::labelled_box;
 pub(crate) use options::Options;
 pub(crate) use overlay::{pointer_box, scale_bar};
 
+use super::practice::Practices;
 use super::widgets::{arrow_keys, keep_press};
 use crate::app::texts::tr;
 use crate::session::Session;
@@ -24,7 +25,7 @@ use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::body::Body;
 use crate::view::camera::{Ball, Camera, Standing, View};
-use crate::view::color::Rgb;
+use crate::view::color::{Colouring, Quantity, Rgb};
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{Between, LastAnswer, Subject};
@@ -54,6 +55,8 @@ const CLEARANCE_MM: f32 = 50.0;
 pub(crate) struct Shown<'a> {
     pub(crate) session: &'a Session,
     pub(crate) options: &'a Options,
+    /// What the stretches are compared with.
+    pub(crate) practices: &'a Practices,
     /// Band of the skin whose lines are drawn.
     pub(crate) envelope: &'a [SectionBand],
     /// Outlines of pins.
@@ -68,10 +71,15 @@ pub(crate) struct Shown<'a> {
 
 impl<'a> Shown<'a> {
     /// A session with nothing over its picture.
-    pub(crate) fn new(session: &'a Session, options: &'a Options) -> Self {
+    pub(crate) fn new(
+        session: &'a Session,
+        options: &'a Options,
+        practices: &'a Practices,
+    ) -> Self {
         Self {
             session,
             options,
+            practices,
             envelope: &[],
             outlines: &[],
             bar: 0.0,
@@ -79,6 +87,12 @@ impl<'a> Shown<'a> {
             standing: None,
         }
     }
+}
+
+/// The colours of a subject.
+fn colouring(subject: &impl Subject, quantity: Quantity, practices: &Practices) -> Colouring {
+    let skin = practices.skin(subject.scene(), subject.problem().skin_knee());
+    Colouring { quantity, skin }
 }
 
 /// The 3-D view with its camera.
@@ -238,7 +252,7 @@ impl Viewport {
     }
 
     fn show_subject(&mut self, ui: &mut Ui, session: &impl Subject, shown: Shown<'_>) {
-        let Shown { options, envelope, outlines, bar, .. } = shown;
+        let Shown { options, practices, envelope, outlines, bar, .. } = shown;
         self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
@@ -251,7 +265,8 @@ impl Viewport {
         let section = section_of(options, session.problem());
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
-        let up_to_date = self.picture.update(session, options.quantity, section, &clock);
+        let colouring = colouring(session, options.quantity, practices);
+        let up_to_date = self.picture.update(session, colouring, section, &clock);
         let moved = self.move_camera(ui, &response, area);
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();

@@ -1,7 +1,7 @@
 //! Pictures of the current scene and of the pins side by side, with one camera, each skin in the colours of its limits.
 
 use super::marks::Marked;
-use super::{CURRENT, Drawn, Options, Shown, Viewport, overlay, section_of};
+use super::{CURRENT, Drawn, Shown, Viewport, colouring, overlay, section_of};
 use crate::app::differing;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
@@ -31,7 +31,7 @@ pub(super) struct Pane {
 impl Viewport {
     /// Shows the pins with a shape and the session side by side in the remaining space.
     pub(crate) fn show_side_by_side(&mut self, ui: &mut Ui, shown: Shown<'_>) {
-        let Shown { session, options, envelope, bar, is_on_paper, .. } = shown;
+        let Shown { session, options, practices, envelope, bar, is_on_paper, .. } = shown;
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let is_shown = |pin: &&Pin| !(is_on_paper && pin.scene().is_same_plan(session.scene()));
         let pins: Vec<PinnedShape<'_>> =
@@ -64,17 +64,18 @@ impl Viewport {
             self.camera.mirror(scene.is_right());
             moved |= self.move_camera(ui, response, response.rect);
         }
-        let up_to_date = self.update_pictures(session, &pins, options);
+        let up_to_date = self.update_pictures(session, &pins, shown);
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
-        let limited = |picture: &Picture, problem: &Problem| Limited {
+        let limited = |picture: &Picture, scene: &Scene, problem: &Problem| Limited {
             greatest: picture.greatest,
-            knee: problem.skin_knee(),
+            skin: practices.skin(scene, problem.skin_knee()),
         };
-        let own_limits = limited(&self.picture, Subject::problem(session));
+        let own_limits = limited(&self.picture, session.scene(), Subject::problem(session));
         let panes = self.panes.iter().zip(&pins);
-        let limits = panes.map(|(pane, shape)| limited(&pane.picture, shape.problem()));
+        let limits =
+            panes.map(|(pane, shape)| limited(&pane.picture, shape.scene(), shape.problem()));
         let limits: Vec<Limited> = limits.chain([own_limits]).collect();
         let colours = Colours::new(options.quantity, &limits, &session.scene().layers);
         if let Colours::Common(scale) = &colours {
@@ -188,7 +189,7 @@ impl Viewport {
         &mut self,
         session: &Session,
         pins: &[PinnedShape<'_>],
-        options: &Options,
+        Shown { options, practices, .. }: Shown<'_>,
     ) -> bool {
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
@@ -197,10 +198,12 @@ impl Viewport {
             let is_known = options.quantity.is_of(shape.scene());
             let quantity = if is_known { options.quantity } else { Quantity::Tissue };
             let section = section_of(options, shape.problem());
-            pane.picture.update(shape, quantity, section, &clock);
+            let colouring = colouring(shape, quantity, practices);
+            pane.picture.update(shape, colouring, section, &clock);
         }
         let section = section_of(options, Subject::problem(session));
-        self.picture.update(session, options.quantity, section, &clock)
+        let colouring = colouring(session, options.quantity, practices);
+        self.picture.update(session, colouring, section, &clock)
     }
 }
 

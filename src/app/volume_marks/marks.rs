@@ -2,7 +2,7 @@
 
 use crate::app::texts::{tr, word_of};
 use crate::app::volumes::COUNT;
-use crate::measure::bands::{self, Limits};
+use crate::measure::bands::{self, Limits, SkinLimits};
 use crate::study::{Axis, Quantity};
 
 /// The quantities of the cards with limits.
@@ -12,8 +12,8 @@ const QUANTITIES: [Quantity; 2] = [Quantity::GreatestStrain, Quantity::GreatestP
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mark {
     pub(super) volume_ml: f64,
-    /// Index of the band above the volume, 1 or more; `None`: no answer.
-    pub(super) band: Option<usize>,
+    /// Level of the band above the volume, 0 for a calm word; `None`: no answer.
+    pub(super) level: Option<usize>,
     /// The quantity of the card; `None`: no answer.
     pub(super) quantity: Option<Quantity>,
     /// The word of the band.
@@ -21,6 +21,11 @@ pub(super) struct Mark {
 }
 
 impl Mark {
+    /// Does no volume above the mark have calm words?
+    pub(super) fn ends_usual(&self) -> bool {
+        self.level != Some(0)
+    }
+
     /// The mark in words.
     pub(super) fn words(&self) -> String {
         let name = match self.quantity {
@@ -29,8 +34,8 @@ impl Mark {
             Some(_) => "skin stretch",
             None => "the model has",
         };
-        let limits = self.quantity.and_then(|quantity| quantity.limits(None));
-        let word = limits.map_or(tr(self.word), |(limits, _)| word_of(limits, self.word));
+        let limits = self.quantity.and_then(|quantity| quantity.limits(SkinLimits::Tearing));
+        let word = limits.map_or(tr(self.word), |(limits, _)| word_of(&limits, self.word));
         format!("{} {word}", tr(name))
     }
 }
@@ -39,7 +44,7 @@ impl Mark {
 /// and the factor from a value to their unit; `value`: a quantity at a volume of the axis; `None` without an answer.
 pub(super) fn marks(
     axis: &Axis,
-    limits: impl Fn(Quantity) -> Option<(&'static Limits, f64)>,
+    limits: impl Fn(Quantity) -> Option<(Limits, f64)>,
     value: impl Fn(Quantity, usize) -> Option<f64>,
 ) -> Vec<Mark> {
     let point = |quantity: Quantity, i: usize| Some([axis.value(i), value(quantity, i)?]);
@@ -49,8 +54,9 @@ pub(super) fn marks(
         let line: Vec<[f64; 2]> = (0..COUNT).filter_map(|i| point(quantity, i)).collect();
         for (k, limit) in limits.bands.iter().filter_map(|band| band.limit).enumerate() {
             if let Some(volume_ml) = crossing(&line, limit / factor) {
-                let word = limits.bands[k + 1].word;
-                marks.push(Mark { volume_ml, band: Some(k + 1), quantity: Some(quantity), word });
+                let band = limits.bands[k + 1];
+                let (level, quantity) = (Some(band.level), Some(quantity));
+                marks.push(Mark { volume_ml, level, quantity, word: band.word });
             }
         }
     }
@@ -60,13 +66,13 @@ pub(super) fn marks(
         .collect();
     if let Some(volume_ml) = crossing(&line, -bands::THIN_COVER_MM) {
         let quantity = Some(Quantity::LeastCoverMm);
-        marks.push(Mark { volume_ml, band: Some(1), quantity, word: "thin" });
+        marks.push(Mark { volume_ml, level: Some(1), quantity, word: "thin" });
     }
     // Between the last volume with an answer and the next one.
     let last = (0..COUNT).rev().find_map(|i| Some((i, point(Quantity::GreatestStrain, i)?[0])));
     if let Some((_, volume)) = last.filter(|(i, _)| i + 1 < COUNT) {
         let volume_ml = volume + 0.5 * (axis.value(1) - axis.value(0));
-        marks.push(Mark { volume_ml, band: None, quantity: None, word: "no answer" });
+        marks.push(Mark { volume_ml, level: None, quantity: None, word: "no answer" });
     }
     marks.sort_by(|a, b| a.volume_ml.total_cmp(&b.volume_ml));
     marks
@@ -114,14 +120,15 @@ mod tests {
         };
         let curve: Vec<Outcome> =
             axis.values().iter().map(|v| solved(*v, SETTINGS.nodes_per_side)).collect();
-        let limits = |quantity: Quantity| quantity.limits(scene.skin_knee());
+        let limits = |quantity: Quantity| quantity.limits(SkinLimits::of_skin(scene.skin_knee()));
         let marks = marks(&axis, limits, |quantity, i| quantity.of(&curve[i]));
         let of_stretch = |mark: &&Mark| mark.quantity == Some(Quantity::GreatestStrain);
         assert!(marks.iter().filter(of_stretch).count() >= 2, "{marks:?}");
         for mark in &marks {
-            let Some((band, quantity)) = mark.band.zip(mark.quantity) else { continue };
+            let Some((level, quantity)) = mark.level.zip(mark.quantity) else { continue };
             let (limits, factor) = limits(quantity).unwrap();
-            for (share, expected) in [(0.97, band - 1), (1.03, band)] {
+            // A sheet has no cover: a level is the place of its band.
+            for (share, expected) in [(0.97, level - 1), (1.03, level)] {
                 let value = quantity.of(&solved(share * mark.volume_ml, 129)).unwrap();
                 assert_eq!(limits.band(factor * value), expected, "{mark:?}: {value}");
             }
@@ -135,13 +142,13 @@ mod tests {
             let value = |quantity| if quantity == Quantity::LeastCoverMm { 10.0 } else { 0.1 };
             marks(
                 &axis,
-                |quantity| quantity.limits(None),
+                |quantity| quantity.limits(SkinLimits::Tearing),
                 |quantity, i| (i < count).then_some(value(quantity)),
             )
         };
         assert_eq!(end(COUNT), []);
         let found = end(10);
-        assert!(found.len() == 1 && found[0].band.is_none(), "{found:?}");
+        assert!(found.len() == 1 && found[0].level.is_none(), "{found:?}");
         assert!(axis.value(9) < found[0].volume_ml && found[0].volume_ml < axis.value(10));
     }
 }

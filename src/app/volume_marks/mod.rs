@@ -1,11 +1,15 @@
 //! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
 //! that stays usual. Computed once a pointer rests over the first plan or the plan is edited.
 //!
-//! `marks` (along a curve of volumes) | `width` (the studies of one width).
+//! `headline` (on the screen) | `marks` (along a curve of volumes) | `width` (the studies of one width).
 
+mod headline;
 mod marks;
 mod width;
 
+pub(super) use headline::headline;
+
+use super::practice::{Against, Practices};
 use super::studies::Studies;
 use super::texts::tr;
 use super::volume_band::VolumeBand;
@@ -71,6 +75,7 @@ impl VolumeMarks {
         &mut self,
         (scene, shelf): (&Scene, &Shelf),
         bands: Option<(BandsSettings, bool)>,
+        practices: &Practices,
         studies: &mut Studies,
         is_busy: bool,
     ) {
@@ -79,14 +84,23 @@ impl VolumeMarks {
         }
         // The marks of another patient, pocket or width say nothing about this one.
         let is_shown = self.is_of(scene);
-        self.own.advance(studies, is_shown);
-        self.advance_beside(shelf, studies, is_busy);
+        let against = practices.against(scene);
+        if self.own.advance(studies, is_shown, against) {
+            self.band.cancel(studies);
+        }
+        self.advance_beside(shelf, practices, studies, is_busy);
         let curve = self.own.curve().map(|curve| (curve.base(), curve.axes()[0]));
-        self.band.advance(curve, bands, studies, is_busy);
+        self.band.advance(curve, |plan| practices.greatest(plan), bands, studies, is_busy);
     }
 
     /// The volumes of the next width, after those of the plan's own.
-    fn advance_beside(&mut self, shelf: &Shelf, studies: &mut Studies, is_busy: bool) {
+    fn advance_beside(
+        &mut self,
+        shelf: &Shelf,
+        practices: &Practices,
+        studies: &mut Studies,
+        is_busy: bool,
+    ) {
         if !is_busy
             && self.own.largest_ml().is_some()
             && let Some(curve) = self.own.curve()
@@ -104,7 +118,11 @@ impl VolumeMarks {
             }
         }
         let is_shown = self.own.largest_ml().is_some();
-        self.beside.advance(studies, is_shown);
+        let against = self
+            .beside
+            .any_curve()
+            .map_or(Against::Waiting, |beside| practices.against(beside.base()));
+        self.beside.advance(studies, is_shown, against);
     }
 
     /// Is the curve that of a plan, or of the plan with another volume or less of it in place?
@@ -136,29 +154,39 @@ impl VolumeMarks {
     pub(super) fn ends(&self) -> [Option<f64>; 3] {
         let first = |is_meant: &dyn Fn(Option<usize>) -> bool| {
             // The marks are in the order of their volumes.
-            let found = self.own.marks().iter().find(|mark| is_meant(mark.band));
+            let found = self.own.marks().iter().find(|mark| is_meant(mark.level));
             found.map(|mark| mark.volume_ml)
         };
         [
-            first(&|band| band >= Some(1)),
-            first(&|band| band >= Some(2)),
-            first(&|band| band.is_none()),
+            first(&|level| level >= Some(1)),
+            first(&|level| level >= Some(2)),
+            first(&|level| level.is_none()),
         ]
     }
 
-    /// The largest volume that stays usual at the width of the plan and at the next one, in words; empty while the first is not
-    /// known.
-    pub(super) fn largest_usual(&self) -> String {
+    /// The plan of the next width, whose practice is wanted.
+    pub(super) fn beside(&self) -> Option<&Scene> {
+        self.beside.any_curve().map(Map::base)
+    }
+
+    /// The largest volume that stays usual at the width of the plan and at the next one, in words, with the volume that practice
+    /// takes where that is known; empty while the first is not known.
+    pub(super) fn largest_usual(&self, practices: &Practices) -> String {
         let (Some(largest), Some(curve)) = (self.own.largest(), self.own.curve()) else {
             return String::new();
         };
         let width = width_in_words(curve.base());
-        let words = match largest {
-            None if self.is_always_thin() => {
+        let practice = practices.volume(curve.base()).map(|practice| practice.volume_ml());
+        let words = match (practice, largest) {
+            (Some(ml), largest) => {
+                tr!("{width} cm: practice takes {ml:.0} ml; ", width, ml)
+                    + &against_practice(largest, self.own.end())
+            }
+            (None, None) if self.is_always_thin() => {
                 tr!("No volume on {width} cm stays usual, because the cover is thin", width)
             }
-            None => tr!("No volume on {width} cm stays usual", width),
-            Some(volume) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
+            (None, None) => tr!("No volume on {width} cm stays usual", width),
+            (None, Some(volume)) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
         } + &self.band.words();
         let beside = self.beside.largest().zip(self.beside.curve()).map(|(largest, beside)| {
             let width = width_in_words(beside.base());
@@ -168,15 +196,14 @@ impl VolumeMarks {
         format!("{words}{}.", beside.unwrap_or_default())
     }
 
-    /// Is the cover the first thing that is not usual at the plan's width?
+    /// Is the cover what ends the usual volumes at the plan's width?
     fn is_always_thin(&self) -> bool {
-        let first = self.own.marks().first();
-        first.is_some_and(|mark| mark.quantity == Some(Quantity::LeastCoverMm))
+        self.own.end().is_some_and(|mark| mark.quantity == Some(Quantity::LeastCoverMm))
     }
 
     /// The largest volume that stays usual, as a sentence after another one; empty while that is not known.
-    pub(super) fn largest_in_words(&self) -> String {
-        let words = self.largest_usual();
+    pub(super) fn largest_in_words(&self, practices: &Practices) -> String {
+        let words = self.largest_usual(practices);
         if words.is_empty() { words } else { format!(" {words}") }
     }
 
@@ -191,15 +218,26 @@ impl VolumeMarks {
         let volume = self.largest_ml(plan)?;
         let base = self.own.curve()?.base();
         let scene = with_values(base, &[(Parameter::Volume, volume)]).ok()?;
-        Some((scene, tr!("{volume:.0} ml, the largest that stays usual", volume)))
+        let words = match self.own.is_against_practice() {
+            true => tr!("{volume:.0} ml, the most with practice's stretch", volume),
+            false => tr!("{volume:.0} ml, the largest that stays usual", volume),
+        };
+        Some((scene, words))
     }
 
     /// What [`Self::largest_usual`] is.
     pub(super) fn about_largest_usual(&self) -> String {
-        let words = tr(
-            "No word of the cards is above usual up to this volume, for this patient and this pocket. A quick, coarse \
-             computation, checked by the plan's own; in steps of 5 ml.",
-        );
+        let words = match self.own.is_against_practice() {
+            true => tr(
+                "Up to this volume the skin is stretched at most as by practice's volume and a step of 30 ml, the cover is not thin and \
+                 the pressure is usual, for this patient and this pocket. A quick, coarse computation, checked by the plan's own; in \
+                 steps of 5 ml.",
+            ),
+            false => tr(
+                "No word of the cards is above usual up to this volume, for this patient and this pocket. A quick, coarse \
+                 computation, checked by the plan's own; in steps of 5 ml.",
+            ),
+        };
         words.to_owned() + &self.band.about()
     }
 
@@ -236,6 +274,20 @@ impl VolumeMarks {
     }
 }
 
+/// The largest volume whose stretch is at most that of practice, with what else ends the volumes.
+fn against_practice(largest: Option<String>, end: Option<&Mark>) -> String {
+    let is_of = |quantity| end.is_some_and(|mark| mark.quantity == Some(quantity));
+    let (thin, pressure) = (is_of(Quantity::LeastCoverMm), is_of(Quantity::GreatestPressureMmhg));
+    match largest {
+        Some(volume) if thin => tr!("up to {volume}, then the cover is thin", volume),
+        Some(volume) if pressure => tr!("up to {volume}, then the pressure is high", volume),
+        Some(volume) => tr!("this skin carries up to {volume} with the same stretch", volume),
+        None if thin => tr("the cover is thin with every volume").to_owned(),
+        None if pressure => tr("the pressure is high with every volume").to_owned(),
+        None => tr("no volume stretches this skin so little").to_owned(),
+    }
+}
+
 /// The next width \[mm\]: the next one of the shelf within [`MOST_STEP_MM`], else the next whole centimetre at least half a
 /// centimetre wider.
 fn next_width(width_mm: f64, shelf: &Shelf) -> f64 {
@@ -258,6 +310,8 @@ fn width_in_words(scene: &Scene) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::bands::PracticeStretch;
+    use crate::study::NoPractice;
 
     #[test]
     fn the_next_width_is_that_of_the_shelf_or_a_whole_centimetre() {
@@ -279,8 +333,10 @@ mod tests {
 
     #[test]
     fn the_largest_volume_stands_beside_that_of_the_next_width() {
-        let words =
-            |own, beside| VolumeMarks { own, beside, ..VolumeMarks::default() }.largest_usual();
+        let none = Practices::of_known(Scene::opening(), Err(NoPractice::Volume));
+        let words = |own, beside| {
+            VolumeMarks { own, beside, ..VolumeMarks::default() }.largest_usual(&none)
+        };
         assert_eq!(words(Width::default(), Width::default()), "");
         for (own, beside, expected) in [
             (Some(360.0), None, "Up to 360 ml stays usual on 12 cm; none on 13 cm."),
@@ -291,7 +347,7 @@ mod tests {
         }
         let thin = Mark {
             volume_ml: 100.0,
-            band: Some(1),
+            level: Some(1),
             quantity: Some(Quantity::LeastCoverMm),
             word: "thin",
         };
@@ -302,6 +358,25 @@ mod tests {
         );
         let open = words(width(120.0, vec![], Some(480.0)), Width::default());
         assert_eq!(open, "Up to 480 ml (the highest profile sold) stays usual on 12 cm.");
+    }
+
+    #[test]
+    fn against_practice_the_largest_volume_stands_beside_practices_and_what_ends_it() {
+        let practice = PracticeStretch { less: 0.19, same: 0.21, more: 0.23 };
+        let practices = Practices::of_known(Scene::opening(), Ok(practice));
+        let mark = |level, quantity, word| Mark { volume_ml: 330.0, level, quantity, word };
+        let as_practice = mark(Some(0), Some(Quantity::GreatestStrain), "as practice");
+        for (quantity, expected) in [
+            (Quantity::GreatestStrain, "this skin carries up to 330 ml with the same stretch"),
+            (Quantity::LeastCoverMm, "up to 330 ml, then the cover is thin"),
+            (Quantity::GreatestPressureMmhg, "up to 330 ml, then the pressure is high"),
+        ] {
+            let end = mark(Some(1), Some(quantity), "above practice");
+            let own = width(120.0, vec![as_practice, end], Some(330.0));
+            let marks = VolumeMarks { own, ..VolumeMarks::default() };
+            let words = marks.largest_usual(&practices);
+            assert_eq!(words, format!("12 cm: practice takes 300 ml; {expected}."));
+        }
     }
 
     #[test]
@@ -323,7 +398,7 @@ mod tests {
 
     #[test]
     fn a_volume_within_a_tenth_of_the_last_answer_is_near_the_limit() {
-        let end = Mark { volume_ml: 400.0, band: None, quantity: None, word: "no answer" };
+        let end = Mark { volume_ml: 400.0, level: None, quantity: None, word: "no answer" };
         let own = width(120.0, vec![end], None);
         let marks = VolumeMarks { own, ..VolumeMarks::default() };
         assert_eq!(marks.near_end_of(359.0), "");

@@ -2,11 +2,13 @@
 //! volume is found on the curve and checked on the plan's own grid: the plan of that volume is usual.
 
 use super::marks::{Mark, marks};
+use crate::app::practice::Against;
 use crate::app::studies::{Driver, Studies};
 use crate::app::texts::tr;
 use crate::app::volumes::highest_sold_ml;
+use crate::measure::bands::SkinLimits;
 use crate::scene::Scene;
-use crate::study::{Axis, FirstUsual, Map, MapSettings, Parameter, with_values};
+use crate::study::{Axis, FirstUsual, Map, MapSettings, Parameter, Quantity, with_values};
 
 /// Grid and tolerance of the curve.
 pub(super) const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
@@ -24,6 +26,8 @@ pub(super) struct Width {
     /// The marks of a curve that is solved.
     marks: Option<Vec<Mark>>,
     check: Driver<FirstUsual>,
+    /// What the stretches of the marks are compared with.
+    against: Option<Against>,
     /// The volumes of the check \[ml\], downwards.
     volumes: Vec<f64>,
 }
@@ -49,25 +53,44 @@ impl Width {
         self.curve.study_mut().is_some_and(is_equal)
     }
 
-    /// Continues the studies, once a frame. `is_shown`: else nothing is known about the present plan.
-    pub(super) fn advance(&mut self, studies: &mut Studies, is_shown: bool) {
+    /// Continues the studies, once a frame. `is_shown`: else nothing is known about the present plan; `against`: what the stretches
+    /// are compared with. Returns whether that is another one than in the frame before.
+    pub(super) fn advance(
+        &mut self,
+        studies: &mut Studies,
+        is_shown: bool,
+        against: Against,
+    ) -> bool {
         self.curve.advance(studies);
-        if !is_shown {
+        let is_other = self.against.replace(against) != Some(against);
+        if !is_shown || is_other {
             self.marks = None;
-        } else if self.marks.is_none()
+        }
+        if is_shown
+            && against != Against::Waiting
+            && self.marks.is_none()
             && let Some(curve) = self.curve.finished()
         {
             let axis = curve.axes()[0];
             let value = |quantity, i| curve.value(quantity, i, 0);
-            let found = marks(&axis, |quantity| curve.limits(quantity), value);
+            let practice = against.practice();
+            let limits = |quantity| match (quantity, practice) {
+                (Quantity::GreatestStrain, Some(practice)) => {
+                    Some(SkinLimits::Practice(practice).limits())
+                }
+                (quantity, _) => curve.limits(quantity),
+            };
+            let found = marks(&axis, limits, value);
             let most = highest_sold_ml(&curve.base().implant);
             self.volumes = checked_volumes(&axis, most, &found);
             let plan = |volume: &f64| with_values(curve.base(), &[(Parameter::Volume, *volume)]);
-            let plans: Vec<Scene> = self.volumes.iter().map_while(|v| plan(v).ok()).collect();
+            let plans = self.volumes.iter().map_while(|v| Some((plan(v).ok()?, practice)));
+            let plans = plans.collect();
             self.check.start(FirstUsual::on_own_grids(plans), studies);
             self.marks = Some(found);
         }
         self.check.advance(studies);
+        is_other
     }
 
     /// The curve, once its marks are known.
@@ -102,6 +125,16 @@ impl Width {
         }))
     }
 
+    /// Are the stretches compared with practice?
+    pub(super) fn is_against_practice(&self) -> bool {
+        self.against.is_some_and(|against| against.practice().is_some())
+    }
+
+    /// The first mark above which no volume has calm words.
+    pub(super) fn end(&self) -> Option<&Mark> {
+        self.marks().iter().find(|mark| mark.ends_usual())
+    }
+
     /// A width whose studies are done: for tests of what is read from them.
     #[cfg(test)]
     #[allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
@@ -116,7 +149,7 @@ impl Width {
         width.curve.set(Map::new(base, &[axis], SETTINGS).unwrap());
         width.volumes = largest_ml.into_iter().collect();
         // Of any usual plan.
-        let plans = vec![Scene::opening(); width.volumes.len()];
+        let plans = vec![(Scene::opening(), None); width.volumes.len()];
         let (mut check, mut store) = (FirstUsual::new(plans), Cases::default());
         while let Some((index, job)) = check.next_job(&mut store) {
             check.receive(index, evaluate(&job), &mut store);
@@ -130,7 +163,8 @@ impl Width {
 fn checked_volumes(axis: &Axis, most: f64, marks: &[Mark]) -> Vec<f64> {
     let whole = |volume: f64| (volume / STEP_ML + 1e-9).floor();
     let above = |mark: &Mark| whole(mark.volume_ml) + f64::from(STEPS_ABOVE);
-    let first = marks.first().map_or(f64::INFINITY, above).min(whole(axis.to.min(most)));
+    let first = marks.iter().find(|mark| mark.ends_usual());
+    let first = first.map_or(f64::INFINITY, above).min(whole(axis.to.min(most)));
     let count = (first - axis.from / STEP_ML).max(-1.0).floor() + 1.0;
     (0..count as usize).map(|k| STEP_ML * (first - k as f64)).collect()
 }
@@ -139,13 +173,12 @@ fn checked_volumes(axis: &Axis, most: f64, marks: &[Mark]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::app::volumes::volumes;
-    use crate::study::Quantity;
 
     #[test]
     fn volumes_are_checked_from_a_little_above_the_first_mark_down_to_the_least() {
         let axis = volumes(&Scene::opening().implant, MOST_RATIO);
         let quantity = Some(Quantity::GreatestStrain);
-        let mark = |volume_ml| Mark { volume_ml, band: Some(1), quantity, word: "high" };
+        let mark = |volume_ml| Mark { volume_ml, level: Some(1), quantity, word: "high" };
         let volumes = checked_volumes(&axis, f64::INFINITY, &[mark(347.0)]);
         assert_eq!(volumes[..4], [355.0, 350.0, 345.0, 340.0]);
         assert!(volumes.last().is_some_and(|last| (axis.from..axis.from + 5.0).contains(last)));

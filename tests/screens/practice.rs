@@ -1,0 +1,105 @@
+//! Words against practice: the card, the table of a clinic, the measurements of its corrections, plans that are not compared.
+
+use super::*;
+
+/// A table of one rule: 100 ml more than the built-in one for 12 cm.
+const TABLE: &str = "measure;is;value;unit;volume_ml;source\nbase width;at;11;cm;350;our clinic\nbase width;at;13;cm;450;\nfold;above;9,5;cm;30;\n";
+
+fn drop_table(harness: &mut Harness<'static, App>, text: &str) {
+    let file = Dropped { path: "rule.csv".into(), text: text.to_owned() };
+    harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
+    settle(harness);
+}
+
+fn line(harness: &mut Harness<'static, App>) -> String {
+    wait_until(harness, "practice", |harness| text_with(harness, "Practice's "))
+}
+
+#[test]
+fn the_table_of_a_clinic_changes_the_words_and_is_kept() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    assert!(line(&mut harness).starts_with("Practice's 300 ml would be 14 %."));
+    harness.get_by_label("as practice");
+    drop_table(&mut harness, TABLE);
+    harness.get_by_label("The practice table of rule.csv is in use: 2 base widths.");
+    let of_clinic = wait_until(&mut harness, "the table", |harness| {
+        text_with(harness, "Practice's 400 ml would be ")
+    });
+    harness.get_by_label("below practice");
+    unfold(&mut harness, "Where limits come from");
+    harness.get_by_label_contains("Source of the table: our clinic.");
+    // A damaged table changes nothing.
+    drop_table(&mut harness, &TABLE.replace("450", "4500000"));
+    harness
+        .get_by_label_contains("rule.csv was not read; the practice table is unchanged. line 3: ");
+    assert_eq!(line(&mut harness), of_clinic);
+    let kept = harness.state_mut().take_practice_table_to_store(true).unwrap();
+    let mut next = app(DESKTOP, |scene| *scene = flat_plan());
+    next.state_mut().restore_practice_table(&kept);
+    next.run();
+    assert_eq!(line(&mut next), of_clinic);
+    assert_eq!(next.state_mut().take_practice_table_to_store(true), None);
+    // Back to the built-in one, which is kept as no text.
+    unfold(&mut next, "Where limits come from");
+    next.get_by_label("Built-in practice table").scroll_to_me();
+    next.run();
+    next.get_by_label("Built-in practice table").click();
+    next.run();
+    wait_until(&mut next, "the table", |harness| text_with(harness, "Practice's 300 ml would be "));
+    assert_eq!(next.state_mut().take_practice_table_to_store(true).as_deref(), Some(""));
+}
+
+#[test]
+fn measurements_correct_the_volume_that_practice_takes() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Practice takes 300 ml");
+    press(&mut harness, "little");
+    harness.get_by_label("Practice takes 330 ml");
+    press(&mut harness, "not said");
+    harness.get_by_label("Nipple–fold measured").click();
+    harness.run();
+    harness.get_by_label("Practice takes 300 ml");
+    type_into(&mut harness, "Nipple–fold (cm)", "9,6");
+    harness.get_by_label("Practice takes 330 ml");
+    let measured = harness.state().session().scene().patient.clone().unwrap().measured;
+    assert_eq!(measured.fold_stretched_mm, Some(96.0));
+    press(&mut harness, "lax");
+    settle(&mut harness);
+    harness.get_by_label("Practice takes 360 ml");
+    wait_until(&mut harness, "practice", |harness| {
+        text_with(harness, "Practice's 360 ml would be ")
+    });
+    // The largest volume is that of practice and a step of the rule, which the skin decides.
+    let words = largest_usual(&mut harness);
+    assert!(
+        words.starts_with("12 cm: practice takes 360 ml; this skin carries up to 39"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_plan_that_practice_does_not_know_has_the_words_of_its_skin_and_the_reason() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Where limits come from");
+    line(&mut harness);
+    harness.get_by_label_contains(
+        "Practice takes 300 ml here: 300 ml for a base of 12 cm. By the same model",
+    );
+    type_into(&mut harness, "Width (cm)", "10");
+    wait_until(&mut harness, "the reason", |harness| {
+        text_with(
+            harness,
+            "Not compared with practice: its table has base widths of 10.5 to 15 cm.",
+        )
+    });
+    assert!(text_with(&harness, "Practice takes ").is_none());
+    harness.get_by_label_contains(" % of its reserve");
+    // A tissue expander has no practice.
+    type_into(&mut harness, "Width (cm)", "12");
+    line(&mut harness);
+    press(&mut harness, "expander");
+    settle(&mut harness);
+    for words in ["Practice takes ", "Practice's ", "The table of practice"] {
+        assert_eq!(text_with(&harness, words), None);
+    }
+}
