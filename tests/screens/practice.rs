@@ -5,10 +5,11 @@ use super::*;
 /// A table of one rule: 100 ml more than the built-in one for 12 cm.
 const TABLE: &str = "measure;is;value;unit;volume_ml;source\nbase width;at;11;cm;350;our clinic\nbase width;at;13;cm;450;\nfold;above;9,5;cm;30;\n";
 
-fn drop_table(harness: &mut Harness<'static, App>, text: &str) {
+/// Drops a table, and waits for the notice, which fades.
+fn drop_table(harness: &mut Harness<'static, App>, text: &str, notice: &str) {
     let file = Dropped { path: "rule.csv".into(), text: text.to_owned() };
     harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
-    settle(harness);
+    wait_until(harness, "the notice", |harness| text_with(harness, notice));
 }
 
 fn line(harness: &mut Harness<'static, App>) -> String {
@@ -20,8 +21,8 @@ fn the_table_of_a_clinic_changes_the_words_and_is_kept() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     assert!(line(&mut harness).starts_with("Practice's 300 ml would be 14 %."));
     harness.get_by_label("as practice");
-    drop_table(&mut harness, TABLE);
-    harness.get_by_label("The practice table of rule.csv is in use: 2 base widths.");
+    let is_used = "The practice table of rule.csv is in use: 2 base widths.";
+    drop_table(&mut harness, TABLE, is_used);
     let of_clinic = wait_until(&mut harness, "the table", |harness| {
         text_with(harness, "Practice's 400 ml would be ")
     });
@@ -29,9 +30,8 @@ fn the_table_of_a_clinic_changes_the_words_and_is_kept() {
     unfold(&mut harness, "Where limits come from");
     harness.get_by_label_contains("Source of the table: our clinic.");
     // A damaged table changes nothing.
-    drop_table(&mut harness, &TABLE.replace("450", "4500000"));
-    harness
-        .get_by_label_contains("rule.csv was not read; the practice table is unchanged. line 3: ");
+    let is_refused = "rule.csv was not read; the practice table is unchanged. line 3: ";
+    drop_table(&mut harness, &TABLE.replace("450", "4500000"), is_refused);
     assert_eq!(line(&mut harness), of_clinic);
     let kept = harness.state_mut().take_practice_table_to_store(true).unwrap();
     let mut next = app(DESKTOP, |scene| *scene = flat_plan());
