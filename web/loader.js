@@ -3,6 +3,7 @@
 
 import "./crash.js";
 import "./form.js";
+import "./pixels.js";
 import { inLanguage } from "./language.js";
 
 // Ctrl+K (Cmd+K) opens the list of commands; some browsers would take the key for their search.

@@ -151,7 +151,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     const { page, finish } = await openApp({
       viewport: { width: 390, height: 844 },
       isSmooth: true,
-      // A scale of 2 would be emulated only by half: the size in device pixels that the app asks for is not.
+      // One pixel a point: software would draw four times as many at a scale of 2.
       options: { hasTouch: true, isMobile: true, deviceScaleFactor: 1, colorScheme: "dark" },
     });
     const fit = await page.evaluate(() => {
