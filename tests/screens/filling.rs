@@ -45,7 +45,8 @@ fn the_ends_of_the_curves_are_single_solves() {
     assert_eq!((least, most), (70.0, 450.0));
     assert!(Field::Projection.limits.1 > 60.0);
     for (fill, shown) in [(least, low), (most, high)] {
-        let computed = pressure(fill);
+        // Above 100 mmHg the caption has no number.
+        let computed = pressure(fill).min(100.0);
         assert!((shown - computed).abs() <= 0.5 + 0.03 * computed, "{fill} ml: {shown} {computed}");
     }
 }

@@ -19,7 +19,7 @@ pub(in crate::app) fn headline(
 ) -> Option<Scene> {
     let lines = if ui.available_width() < BROAD { LINES.0 } else { LINES.1 };
     // A link is a little higher than a text.
-    let height = lines * ui.text_style_height(&TextStyle::Body) + 2.0;
+    let height = lines * ui.text_style_height(&TextStyle::Body) + 1.0;
     let room = vec2(ui.available_width(), height);
     let layout = egui::Layout::top_down(egui::Align::Min);
     let response = ui.allocate_ui_with_layout(room, layout, |ui| {
