@@ -1096,8 +1096,6 @@ fn volume_marks(model: TissueModel) -> Vec<f32> {
 
 /// The sentence with the largest volume that stays usual on 12 cm and the next width, once that is known.
 fn largest_usual(harness: &mut Harness<'static, App>) -> String {
-    // Nothing is computed before a pointer is on the plan.
-    harness.hover_at(egui::pos2(4.0, 4.0));
     wait_until(harness, "the largest volume", |harness| {
         text_with(harness, " with the same stretch; ")
     })

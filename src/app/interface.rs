@@ -43,6 +43,7 @@ impl App {
             range_all,
             samples_done,
             samples_all,
+            jobs: self.studies.jobs(),
         }
     }
 

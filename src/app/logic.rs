@@ -194,13 +194,15 @@ impl App {
         practices.advance(&wanted, choices.device, studies, is_busy);
         range.advance(ctx, scene, practices, studies);
         filling.advance(scene, choices.device, studies, is_busy);
+        nearest.advance(session, studies, is_busy);
         let sizes = &range.sizes;
-        volume_marks.want_after_rest(ctx, is_busy);
+        // The largest usual volume comes after the nearest plans with an answer.
+        let is_searched = is_busy || !nearest.is_at_rest(session);
+        volume_marks.want_after_rest(ctx, is_searched);
         let bands = uncertainty.choices(scene);
-        volume_marks.advance((scene, &sizes.shelf), bands, practices, studies, is_busy);
+        volume_marks.advance((scene, &sizes.shelf), bands, practices, studies, is_searched);
         shelf_largest.advance(scene, sizes, practices, studies, is_busy);
         uncertainty.advance(session, studies, ctx, is_busy);
-        nearest.advance(session, studies, is_busy);
     }
 
     /// Solves a pin for one slice.

@@ -12,7 +12,7 @@ use crate::clinical::limits;
 use crate::measure::{Status, no_shape};
 use crate::scene::Scene;
 use crate::session::Session;
-use crate::study::{Nearest, NearestPlan, NoAnswer, Search, name_in_words, size_in_words};
+use crate::study::{Nearest, NearestPlan, NoAnswer, Search, Study, name_in_words, size_in_words};
 use eframe::egui::{self, RichText, Ui};
 
 /// The searches of the nearest plans with an answer.
@@ -91,6 +91,12 @@ impl NearestSearch {
             }
             driver.advance(studies);
         }
+    }
+
+    /// Have the searches ended, or has the plan an answer?
+    pub(super) fn is_at_rest(&self, session: &Session) -> bool {
+        let is_done = |driver| of(driver, session).is_some_and(Study::is_done);
+        !applies(session) || [&self.driver, &self.wider].into_iter().all(is_done)
     }
 
     /// The plans found so far.

@@ -35,4 +35,6 @@ pub struct Stats {
     pub samples_done: usize,
     /// Number of all plans of the sampled patients, with those of scenarios and importance; 0 without a study.
     pub samples_all: usize,
+    /// Number of jobs of all studies that are not finished.
+    pub jobs: usize,
 }

@@ -8,7 +8,7 @@ use crate::measure::Status;
 use crate::session::Session;
 use crate::study::{Case, Cases, Finished, Job, Runner, Study};
 use eframe::egui::{self, mutex::Mutex};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use web_time::{Duration, Instant};
 
@@ -32,6 +32,8 @@ pub(super) struct Studies {
     /// Number of the session's solutions whose results are stored.
     shared: u64,
     finished: Vec<Finished<Vec<Case>>>,
+    /// The jobs that the runner has not finished.
+    unfinished: BTreeSet<usize>,
     /// Do new jobs wait, so that the app's own solve has the processor?
     is_held: bool,
     /// Time that the drivers have spent in this frame.
@@ -52,6 +54,7 @@ impl Studies {
             store: Cases::default(),
             shared: 0,
             finished: Vec::new(),
+            unfinished: BTreeSet::new(),
             is_held: false,
             spent: Duration::ZERO,
         }
@@ -62,7 +65,21 @@ impl Studies {
         self.ctx.lock().clone_from(ctx);
         self.is_held = is_held;
         self.spent = Duration::ZERO;
-        self.finished.extend(std::iter::from_fn(|| self.runner.poll()));
+        while let Some(finished) = self.runner.poll() {
+            self.unfinished.remove(&finished.index);
+            self.finished.push(finished);
+        }
+    }
+
+    /// Number of jobs that the runner has not finished.
+    pub(super) fn jobs(&self) -> usize {
+        self.unfinished.len()
+    }
+
+    fn submit(&mut self, job: Job) -> usize {
+        let index = self.runner.submit(job);
+        self.unfinished.insert(index);
+        index
     }
 
     /// Stores the results of the present scene and of the pins after each solve of the session: a study with an equal scene,
@@ -84,6 +101,7 @@ impl Studies {
 
     fn cancel(&mut self, index: usize) {
         self.runner.cancel(index);
+        self.unfinished.remove(&index);
         self.finished.retain(|finished| finished.index != index);
     }
 
@@ -169,7 +187,7 @@ impl<S: Study> Driver<S> {
                         study.receive(job, Vec::new(), &mut studies.store);
                     }
                     Some((job, scenes)) => {
-                        self.running.insert(studies.runner.submit(scenes), job);
+                        self.running.insert(studies.submit(scenes), job);
                     }
                     None => break,
                 }
@@ -318,6 +336,7 @@ mod tests {
             }
         }
         assert!(studies.finished.is_empty() && log.borrow().cancelled.is_empty());
+        assert_eq!(studies.jobs(), 0);
         // An equal study solves nothing.
         let submitted = log.borrow().submitted;
         drivers[0].start(map(40.0), &mut studies);
@@ -352,7 +371,7 @@ mod tests {
         studies.poll(&egui::Context::default(), false);
         driver.advance(&mut studies);
         let running: Vec<usize> = driver.running.keys().copied().collect();
-        assert!(!running.is_empty());
+        assert!(!running.is_empty() && studies.jobs() == running.len());
         // One job has finished, its cases are not taken yet.
         studies.poll(&egui::Context::default(), false);
         driver.start(map(40.0), &mut studies);

@@ -123,7 +123,7 @@ impl Handle {
 
     /// `{ frames, frame_ms_p50, frame_ms_p95, solve_ms, solver_ms_p50, solver_ms_p95, solver_ms_max,
     /// converged, solves, work_units, tables, measurements, range_done, range_all,
-    /// samples_done, samples_all }`.
+    /// samples_done, samples_all, jobs }`.
     ///
     /// # Errors
     /// Throws if the app is not running.
@@ -146,6 +146,7 @@ impl Handle {
             ("range_all", JsValue::from(stats.range_all as f64)),
             ("samples_done", JsValue::from(stats.samples_done as f64)),
             ("samples_all", JsValue::from(stats.samples_all as f64)),
+            ("jobs", JsValue::from(stats.jobs as f64)),
         ]))
     }
 }

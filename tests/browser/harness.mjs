@@ -283,13 +283,13 @@ export function colouredBox(page, picture) {
   });
 }
 
-/** Waits until nothing is drawn any more; the frames drawn so far. */
+/** Waits until nothing is computed or drawn any more; the frames drawn so far. */
 export async function settled(page) {
   let frames = -1;
-  for (let tries = 0; tries < 60; tries += 1) {
-    // A frame of the page may take longer than the pause.
+  for (let tries = 0; tries < 100; tries += 1) {
+    // A frame of the page may take longer than the pause, and a study longer than both.
     const now = await drawn(page);
-    if (now === frames) return frames;
+    if (now === frames && (await stats(page)).jobs === 0) return frames;
     frames = now;
     await page.waitForTimeout(700);
   }

@@ -47,7 +47,6 @@ function greatestDifference(a, b) {
 /** The app, at rest; `study` there has a coarse scene and helpers. */
 async function open() {
   const opened = await fixture.openApp();
-  assert.equal(opened.page.workers().length, 0, "a worker without a study");
   const names = await opened.page.evaluate(() => performance.getEntriesByType("resource").map((r) => r.name));
   assert.equal(names.filter((name) => name.endsWith("_bg.wasm")).length, 1);
   await opened.page.evaluate(() => {

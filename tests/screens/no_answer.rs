@@ -84,9 +84,10 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     let beyond = "Beyond the sizes sold: the highest profile on 12 cm has 484 ml.";
     assert!(harness.query_all_by_label(beyond).count() > 0);
     const WORDS: &str = " ml, the most with practice's stretch";
-    harness.hover_at(egui::pos2(4.0, 4.0));
+    // Without any input, after the search of the nearest plans.
     wait_until(&mut harness, "the largest volume", |harness| text_with(harness, WORDS));
-    wait(&mut harness);
+    assert!(harness.query_by_label(LOOKING).is_none());
+    harness.run();
     let button = harness.get_by_label_contains(WORDS);
     let label = button.accesskit_node().label().unwrap();
     let volume: f64 =

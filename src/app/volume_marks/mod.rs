@@ -1,5 +1,5 @@
 //! Where the words of the cards change along the slider of the volume, where the model has no answer, and the largest volume
-//! that stays usual. Computed once a pointer rests over the first plan or the plan is edited.
+//! that stays usual. Computed once the first plan rests or a plan is edited.
 //!
 //! `headline` (on the screen) | `marks` (along a curve of volumes) | `width` (the studies of one width).
 
@@ -38,7 +38,7 @@ pub(super) struct VolumeMarks {
     /// The scene of the present curve.
     started: Option<Scene>,
     is_wanted: bool,
-    /// Start of the rest of the first plan under a pointer.
+    /// Start of the rest of the first plan.
     rests_since: Option<Instant>,
     /// The volumes of the next width.
     beside: Width,
@@ -52,15 +52,13 @@ impl VolumeMarks {
         self.is_wanted = true;
     }
 
-    /// The marks are computed from a rest of the first plan on, once a pointer or a finger was on it: a page that opens has its picture
-    /// first, and a page in the background computes nothing. `is_busy`: the plan is being solved or edited.
+    /// The marks are computed from a rest of the first plan on: a page that opens has its picture first. `is_busy`: see
+    /// [`Self::advance`].
     pub(super) fn want_after_rest(&mut self, ctx: &egui::Context, is_busy: bool) {
         if self.is_wanted {
             return;
         }
-        let is_used = ctx.input(|input| input.pointer.latest_pos().is_some());
-        let is_at_rest = !is_busy && (is_used || self.rests_since.is_some());
-        let since = is_at_rest.then(|| self.rests_since.unwrap_or_else(Instant::now));
+        let since = (!is_busy).then(|| self.rests_since.unwrap_or_else(Instant::now));
         self.rests_since = since;
         match since.map(|since| since.elapsed()) {
             Some(rest) if rest >= REST => self.is_wanted = true,
@@ -70,7 +68,7 @@ impl VolumeMarks {
     }
 
     /// Starts and continues the studies, once a frame. `bands`: the choices of the bands while they are on, and whether the bands
-    /// are complete; `is_busy`: the plan is being solved or edited.
+    /// are complete; `is_busy`: the plan is being solved or edited, or the nearest plans with an answer are searched.
     pub(super) fn advance(
         &mut self,
         (scene, shelf): (&Scene, &Shelf),
