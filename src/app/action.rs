@@ -2,6 +2,7 @@
 
 use super::messages::Notice;
 use super::texts::Language;
+use super::viewport::PictureSubject;
 use crate::scene::Scene;
 use crate::session::Command;
 use crate::view::camera::View;
@@ -27,6 +28,8 @@ pub(super) enum Task {
     StartOver,
     Pin,
     Look(View),
+    /// What the picture is about.
+    Show(PictureSubject),
     /// Cut open; in half.
     Cut(bool, bool),
     /// Number of the quantity.

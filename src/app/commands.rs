@@ -1,12 +1,13 @@
 //! The commands of menus, keys, the list "Commands" and the help: one table.
 //!
-//! Uses `action`, `messages`, `shared`, `strip`. Used by `logic`, `palette`, `perform`, `range`, `toolbar`, `view_bar`.
+//! Uses `action`, `messages`, `shared`, `strip`. Used by `logic`, `palette`, `perform`, `range`, `toolbar`, `view_bar`, `view_menu`.
 
 use super::action::{Action, Purpose, Task};
 use super::messages::Notice;
 use super::shared::Shared;
 use super::strip::CROSS_SECTION;
 use super::texts::{Language, tr};
+use super::viewport::PictureSubject;
 use crate::view::camera::View;
 use crate::view::color::Quantity;
 use eframe::egui::os::OperatingSystem;
@@ -69,7 +70,7 @@ const RESEARCH: &str = "What physics and developers need: the grid, all colours,
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
-pub(super) const COMMANDS: [Entry; 42] = [
+pub(super) const COMMANDS: [Entry; 45] = [
     keyed(Task::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
     keyed(Task::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Task::SaveNumbers, "Save numbers (JSON)…", ""),
@@ -97,6 +98,13 @@ pub(super) const COMMANDS: [Entry; 42] = [
         "All",
         "Three-quarter view of everything (F)",
         Keyed::OnPicture(Key::F),
+    ),
+    entry(Task::Show(PictureSubject::Look), "Look", "The skin as it looks"),
+    entry(Task::Show(PictureSubject::Inside), "Inside", "Cut open: skin, fat and implant"),
+    entry(
+        Task::Show(PictureSubject::Stretch),
+        "Stretch",
+        "How far the skin is stretched, by colours",
     ),
     entry(Task::Cut(false, false), "No cut", "The whole tissue"),
     entry(Task::Cut(true, false), "Cut a quarter", "Cut the tissue open to show its layers"),

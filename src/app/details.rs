@@ -188,7 +188,7 @@ fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {
                     ui.label(quiet(quantity.display().1));
                 },
             );
-            ui.label(quiet(&localized(band.range())).monospace());
+            ui.label(quiet(&localized(band.range())));
         });
     });
 }

@@ -6,7 +6,7 @@
 //!
 //! This file and `interface` contain the state of the app and its interface to `platform` and the tests. `logic` runs
 //! frames, `perform` executes actions, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `practice` with what practice takes, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
-//! `view_bar` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
+//! `view_bar`, `view_menu` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
 //! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
 //! implant on it, `insertion` plays the push of the implant into its place.
 //! `research` is the switch of what a surgeon never needs; `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `opened` finds the plan in a file; `controls` finds controls by
@@ -62,6 +62,7 @@ mod toolbar;
 mod ui;
 mod uncertainty;
 mod view_bar;
+mod view_menu;
 mod viewport;
 mod volume_band;
 mod volume_marks;

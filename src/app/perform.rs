@@ -97,6 +97,7 @@ impl App {
             Task::Pin => self.execute(Command::Pin),
             Task::Look(View::Front) if options.torso => viewport.look_at_torso(session, true),
             Task::Look(view) => viewport.fit(session, view),
+            Task::Show(subject) => options.set_subject(subject),
             Task::Cut(section, half) => (options.section, options.half) = (section, half),
             Task::Colour(k) => {
                 options.quantity = QUANTITIES.get(k).copied().unwrap_or(Quantity::Tissue);

@@ -116,10 +116,10 @@ fn fonts() -> FontDefinitions {
 
 fn apply(style: &mut Style, palette: &Palette, theme: Theme) {
     style.text_styles = [
-        (TextStyle::Small, FontId::new(11.5, FontFamily::Proportional)),
-        (TextStyle::Body, FontId::new(13.5, FontFamily::Proportional)),
-        (TextStyle::Button, FontId::new(13.5, FontFamily::Proportional)),
-        (TextStyle::Heading, FontId::new(14.5, FontFamily::Proportional)),
+        (TextStyle::Small, FontId::new(12.0, FontFamily::Proportional)),
+        (TextStyle::Body, FontId::new(14.0, FontFamily::Proportional)),
+        (TextStyle::Button, FontId::new(14.0, FontFamily::Proportional)),
+        (TextStyle::Heading, FontId::new(15.0, FontFamily::Proportional)),
         // Numbers: all digits have equal width.
         (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
     ]

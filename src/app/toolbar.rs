@@ -1,13 +1,14 @@
-//! The toolbar: files, history, examples, language, theme; the window "Help"; the words "Not a medical device".
+//! The toolbar: files, history, examples, the report; the window "Help"; the words "Not a medical device".
 
 use super::action::{Action, Purpose, Task};
-use super::commands::{COMMANDS, Keyed, item, menu_item};
+use super::commands::{COMMANDS, Keyed, entry_of, item, menu_item, why_not};
 use super::files;
 use super::messages::Notice;
 use super::shared::Shared;
-use super::texts::{self, tr};
+use super::texts::tr;
 use super::theme;
-use super::widgets::{button_if, set_accessible_name};
+use super::view_menu::view_menu;
+use super::widgets::button_if;
 use crate::contact::Dome;
 use crate::export::{Format, Solid};
 use crate::measure::surfaces;
@@ -32,9 +33,11 @@ pub(super) fn show(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut V
         } else {
             fit_in_row(ui);
         }
+        let button = &mut ui.visuals_mut().widgets.inactive;
+        (button.weak_bg_fill, button.bg_stroke) = (Color32::TRANSPARENT, egui::Stroke::NONE);
         file_menu(ui, shared, actions);
         if layout == Layout::Wide {
-            view_menu(ui, layout, shared, actions);
+            view_menu(ui, false, shared, actions);
         }
         for (name, enabled, task) in [
             (tr("Undo"), shared.session.can_undo(), Task::Undo),
@@ -46,11 +49,10 @@ pub(super) fn show(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut V
         }
         item(ui, shared, Task::StartOver, actions);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            report_button(ui, shared, actions);
             if ui.button(tr("Help")).clicked() {
                 actions.push(Action::Run(Task::Help));
             }
-            theme_menu(ui);
-            language_button(ui, layout, actions);
             if layout == Layout::Wide {
                 disclaimer(ui, layout);
             }
@@ -84,32 +86,20 @@ fn file_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     });
 }
 
-/// The menu of the picture's switches, with the list of all commands.
-pub(super) fn view_menu(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Action>) {
-    ui.menu_button(tr("View"), |ui| {
-        if layout == Layout::Wide {
-            menu_item(ui, shared, Task::CrossSection, actions);
-        }
-        menu_item(ui, shared, Task::Torso, actions);
-        menu_item(ui, shared, Task::Ruler, actions);
-        ui.separator();
-        menu_item(ui, shared, Task::Research, actions);
-        menu_item(ui, shared, Task::List, actions);
-    });
-}
-
-/// The button of the other language with that language's own name; on a narrow screen with its subtag.
-fn language_button(ui: &mut Ui, layout: Layout, actions: &mut Vec<Action>) {
-    let other = texts::language().other();
-    let text = match layout {
-        Layout::Wide => other.name().to_owned(),
-        Layout::Narrow => other.subtag().to_uppercase(),
-    };
-    let button = ui.button(text);
-    set_accessible_name(&button, Role::Button, other.name());
-    if button.clicked() {
-        actions.push(Action::Run(Task::Language(other)));
+/// The report, the one button of its kind.
+fn report_button(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
+    let task = Task::TakeHome(Purpose::Report);
+    let (entry, why_not) = (entry_of(task), why_not(shared, task));
+    let visuals = ui.visuals();
+    let palette = theme::palette(visuals);
+    let text = RichText::new(tr("Report")).color(palette.on_accent);
+    let button = egui::Button::new(text).fill(palette.accent);
+    let response = ui.add_enabled(why_not.is_none(), button);
+    let response = response.on_disabled_hover_text(why_not.unwrap_or_default());
+    if response.clicked() {
+        actions.push(Action::Run(task));
     }
+    response.on_hover_text(tr(entry.tooltip));
 }
 
 /// Meshes of the shape in place, for other programs and printers.
@@ -193,29 +183,12 @@ pub(super) fn help(ctx: &egui::Context, is_open: &mut bool) {
         });
 }
 
-/// The choice of the theme.
-fn theme_menu(ui: &mut Ui) {
-    ui.menu_button(tr("Theme"), |ui| {
-        let mut preference = ui.ctx().options(|options| options.theme_preference);
-        for (choice, name) in [
-            (egui::ThemePreference::System, tr("System")),
-            (egui::ThemePreference::Light, tr("Light")),
-            (egui::ThemePreference::Dark, tr("Dark")),
-        ] {
-            if ui.radio_value(&mut preference, choice, name).clicked() {
-                ui.ctx().set_theme(choice);
-                ui.close();
-            }
-        }
-    });
-}
-
 /// Least size of a word in a narrow row, of its usual size \[-\].
 const LEAST_SIZE: f32 = 0.5;
 
-/// Space and text of the seven buttons of a row of 320 points. Long words are smaller.
+/// Space and text of the six buttons of a row of 320 points. Long words are smaller.
 fn fit_in_row(ui: &mut Ui) {
-    const BUTTONS: [&str; 7] = ["File", "Undo", "Redo", "Start over", "ES", "Theme", "Help"];
+    const BUTTONS: [&str; 6] = ["File", "Undo", "Redo", "Start over", "Help", "Report"];
     let space = theme::SPACE_SMALL;
     let font = TextStyle::Button.resolve(ui.style());
     let width = |name: &str| {
@@ -223,7 +196,7 @@ fn fit_in_row(ui: &mut Ui) {
         galley.size().x
     };
     let text: f32 = BUTTONS.map(width).iter().sum();
-    let room = |padding: f32| ui.available_width() - 14.0 * padding - 6.0 * space;
+    let room = |padding: f32| ui.available_width() - 12.0 * padding - 5.0 * space;
     let is_tight = text > room(space + 2.0);
     // A row without room for words is cut.
     let size = font.size * (room(space) / text).clamp(LEAST_SIZE, 1.0);

@@ -71,14 +71,10 @@ impl App {
             .resizable(false)
             .show(ui, |ui| toolbar::show(ui, Layout::Wide, &self.shared, &mut self.actions));
         egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
-            ui.add_space(theme::SPACE_SMALL);
             self.status_row(ui, Layout::Wide);
-            ui.add_space(theme::SPACE_SMALL);
         });
         let left = side_panel(egui::Panel::left("plan"), plan).show(ui, |ui| {
             column("plan").show(ui, |ui| {
-                ui.add_space(theme::SPACE_SMALL);
-                ui.heading(tr("Plan"));
                 self.plan(ui, scene);
                 self.focus.scroll_into_view(ui);
             });
@@ -139,7 +135,6 @@ impl App {
         plan::practice(ui, scene, &self.shared.practices.takes(scene), Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
-        ui.add_space(theme::SPACE);
         self.tissue(ui, scene, Hand::Mouse);
         advanced::show(ui, scene, &self.shared.session, Hand::Mouse);
     }

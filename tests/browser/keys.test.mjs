@@ -49,7 +49,7 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
     for (const name of [
       "File",
       "Undo",
-      "Colour by",
+      "View",
       "Start over",
       "Help",
       "Width (cm)",
@@ -67,9 +67,8 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
       "Where limits come from",
       "Details",
       "Front",
-      "Cut",
+      "Stretch",
       "Direction of the cut",
-      "Grid",
       "3-D view",
     ]) {
       assert.ok(there.includes(name), `${name} is not among ${there.join(", ")}`);

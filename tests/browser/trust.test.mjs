@@ -196,7 +196,7 @@ describe("a lost WebGL context", { timeout: 6 * harness.PATIENCE }, () => {
       await page.mouse.click(x + width / 2, y + height / 2);
     };
     await change("what is folded", () => click("Tissue"));
-    await change("the grid", () => click("Grid"));
+    await change("what it is about", () => click("Inside"));
     const before = { scene: await sceneText(page), stats: await page.evaluate(() => implantPreview.stats()) };
     for (let times = 0; times < 2; times += 1) {
       await lose(page);

@@ -375,10 +375,14 @@ fn a_command_is_found_by_typing_and_executed_by_enter() {
 #[test]
 fn arrows_choose_a_command_and_escape_closes_the_list() {
     let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
-    let grid = |harness: &Screen| {
-        harness.get_by_role_and_label(Role::Button, "Grid").accesskit_node().toggled()
+    let grid = |harness: &mut Screen| {
+        press(harness, "View");
+        let grid = harness.get_by_role_and_label(Role::CheckBox, "Grid").accesskit_node().toggled();
+        harness.key_press(Key::Escape);
+        harness.run();
+        grid
     };
-    let before = grid(&harness);
+    let before = grid(&mut harness);
     open_list(&mut harness);
     // First "Usual implant", then "Range of implants".
     harness.event(egui::Event::Text("implant".to_owned()));
@@ -398,7 +402,7 @@ fn arrows_choose_a_command_and_escape_closes_the_list() {
     harness.run();
     harness.key_press(Key::Enter);
     harness.run();
-    assert_ne!(grid(&harness), before);
+    assert_ne!(grid(&mut harness), before);
     open_list(&mut harness);
     harness.key_press(Key::Escape);
     harness.run();

@@ -32,6 +32,9 @@ fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan()
                 press(&mut harness, "Implant");
             }
             press(&mut harness, shape);
+            if size == PHONE {
+                press(&mut harness, "View");
+            }
             press(&mut harness, "Front");
             harness.run_steps(40);
             let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
@@ -94,11 +97,9 @@ fn without_a_cut_its_direction_waits() {
         let field = harness.get_by_role_and_label(Role::SpinButton, "Direction of the cut");
         !field.accesskit_node().is_disabled()
     };
+    press(&mut harness, "Inside");
     assert!(is_able(&harness));
-    harness.get_by_role_and_label(Role::ComboBox, "Cut").click();
-    harness.run_steps(3);
-    harness.get_by_label("No cut").click();
-    harness.run_steps(3);
+    press(&mut harness, "Stretch");
     assert!(!is_able(&harness));
 }
 

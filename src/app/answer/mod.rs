@@ -16,7 +16,7 @@ use super::action::Action;
 use super::device::Device;
 use super::no_answer;
 use super::practice::{self, Practices};
-use super::theme::{self, SPACE, SPACE_SMALL};
+use super::theme::{self, SPACE};
 use super::uncertainty::Findings;
 use crate::app::texts::{self, tr, word_of};
 use crate::measure::bands::{self, Limits, SkinLimits};
@@ -59,7 +59,6 @@ fn answer(session: &Session, practices: &Practices, previous: PreviousResults) -
 
 /// Shows the heading with the state of the computation.
 pub(super) fn heading(ui: &mut Ui, session: &Session) {
-    ui.add_space(SPACE_SMALL);
     ui.horizontal(|ui| {
         ui.heading(tr("What happens"));
         if session.is_working() {

@@ -1,13 +1,12 @@
 //! The chest: flat, usual, round, or by its radii of curvature.
 
-use super::{Hand, chip, chips, cm, mm, row};
+use super::{Hand, chip, chips, cm, mm, named, row};
 use crate::app::texts::tr;
-use crate::app::theme::SPACE_SMALL;
 use crate::app::widgets::quantity::format_at_most;
-use crate::app::widgets::{self, Control, remark, set_accessible_name};
+use crate::app::widgets::{self, Control, set_accessible_name};
 use crate::scene::field::CHEST;
 use crate::scene::{ChestShape, Field, Scene};
-use eframe::egui::{self, Align, Layout, Ui};
+use eframe::egui::{self, Ui};
 
 /// A choice: its word, its chest (`None`: flat) and what it means.
 type ChestChoice = (&'static str, Option<ChestShape>, &'static str);
@@ -61,15 +60,10 @@ fn own_id() -> egui::Id {
     egui::Id::unique("radii of the chest")
 }
 
-/// Shows the choice of the chest at the end of a row; nothing for tissue without one: a sheet, older files.
+/// Shows the choice of the chest in a row; nothing for tissue without one: a sheet, older files.
 pub(super) fn chest(ui: &mut Ui, scene: &mut Scene) {
     if scene.may_have_chest() {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            // Room for the scroll bar that appears with unfolded parts.
-            ui.add_space(SPACE_SMALL);
-            choices(ui, scene);
-            remark(ui, tr("Chest"));
-        });
+        named(ui, tr("Chest"), |ui| choices(ui, scene));
     }
 }
 
@@ -83,7 +77,7 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
         Some(_) => tr("round chest"),
         None => tr("chest of its own…"),
     };
-    let list = egui::ComboBox::from_id_salt("chest").width(112.0).selected_text(name(present));
+    let list = egui::ComboBox::from_id_salt("chest").width(150.0).selected_text(name(present));
     let response = list
         .show_ui(ui, |ui| {
             for (word, chest, tooltip) in CHOICES {

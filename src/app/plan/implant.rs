@@ -3,7 +3,9 @@
 use super::{Choices, Device, Hand, chip, chips, cm, mm, row, shape, title};
 use crate::app::texts::{localized, tr};
 use crate::app::volume_marks::VolumeMarks;
-use crate::app::widgets::{Control, Kind, quantity::significant, remark, set_accessible_name};
+use crate::app::widgets::{
+    Control, Kind, kept_lines, quantity::significant, remark, set_accessible_name,
+};
 use crate::app::{research, theme};
 use crate::clinical::{Dimension, ProfileClass, Size, limits};
 use crate::scene::{Field, Scene};
@@ -37,9 +39,43 @@ pub(in crate::app) fn implant(
         Device::Implant => implant_rows(ui, scene, size, choices, marks, hand),
         Device::Expander => expander_rows(ui, size, hand),
     };
+    kept_lines(ui, 2, |ui| match choices.device {
+        Device::Implant => about_sizes(ui, scene, size, choices),
+        Device::Expander => about_fill(ui, size),
+    });
     if let Some(size) = changed {
         shape::set_size(scene, size);
     }
+}
+
+/// The dimension that follows, or the maker's name of the size.
+fn about_sizes(ui: &mut Ui, scene: &Scene, size: Size, choices: &Choices) {
+    let [a, b, c] = match choices.follows {
+        Dimension::BaseWidth => [tr("Width"), tr("volume"), tr("projection")],
+        Dimension::Volume => [tr("Volume"), tr("width"), tr("projection")],
+        Dimension::Projection => [tr("Projection"), tr("width"), tr("volume")],
+    };
+    let unusual = if size.is_typical() { "" } else { tr(" Outside the typical sizes.") };
+    let reference = &scene.implant_reference;
+    if reference.is_empty() {
+        remark(ui, tr!("{a} follows {b} and {c}.{unusual}", a, b, c, unusual))
+            .on_hover_text(typical());
+    } else {
+        let name = RichText::new(reference).strong();
+        ui.add(egui::Label::new(name).truncate()).on_hover_text(tr!(
+                "{reference}: a size of the shelf. Another width, volume or projection is no longer this implant.{unusual}",
+                reference,
+                unusual
+            ));
+    }
+}
+
+/// The height of an expander's dome.
+fn about_fill(ui: &mut Ui, size: Size) {
+    let words = tr!("The fill raises the dome to {height:.1} cm.", height = size.projection_cm());
+    remark(ui, words).on_hover_text(tr(
+        "The shell is a half-ellipsoid at every fill; an expander with a built-in shape differs.",
+    ));
 }
 
 /// The switch between a round implant, an anatomical one, which older plans cannot have, and an expander.
@@ -143,24 +179,6 @@ fn implant_rows(
             }
         }
     });
-    let [a, b, c] = match choices.follows {
-        Dimension::BaseWidth => [tr("Width"), tr("volume"), tr("projection")],
-        Dimension::Volume => [tr("Volume"), tr("width"), tr("projection")],
-        Dimension::Projection => [tr("Projection"), tr("width"), tr("volume")],
-    };
-    let unusual = if size.is_typical() { "" } else { tr(" Outside the typical sizes.") };
-    let reference = &scene.implant_reference;
-    if reference.is_empty() {
-        remark(ui, tr!("{a} follows {b} and {c}.{unusual}", a, b, c, unusual))
-            .on_hover_text(typical());
-    } else {
-        let name = RichText::new(reference).strong();
-        ui.add(egui::Label::new(name).truncate()).on_hover_text(tr!(
-            "{reference}: a size of the shelf. Another width, volume or projection is no longer this implant.{unusual}",
-            reference,
-            unusual
-        ));
-    }
     changed
 }
 
@@ -185,9 +203,6 @@ fn expander_rows(ui: &mut Ui, size: Size, hand: Hand) -> Option<Size> {
     if row(ui, hand, control, &mut fill, (MARK, none)).is_changed {
         changed = size.changed(Dimension::Volume, fill, Dimension::BaseWidth).ok().or(changed);
     }
-    remark(ui, tr!("The fill raises the dome to {height:.1} cm.", height = size.projection_cm())).on_hover_text(
-        tr("The shell is a half-ellipsoid at every fill; an expander with a built-in shape differs."),
-    );
     changed
 }
 

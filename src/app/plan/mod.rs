@@ -181,6 +181,23 @@ fn title(ui: &mut Ui, text: &str, add: impl FnOnce(&mut Ui)) {
     });
 }
 
+/// Width of the names of the fields \[points\].
+const NAMES: f32 = 68.0;
+
+/// A field behind its name.
+pub(super) fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let row = ui.horizontal(|ui| {
+        let place = egui::vec2(NAMES, ui.spacing().interact_size.y);
+        let middle = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(place, middle, |ui| {
+            ui.set_min_width(NAMES);
+            ui.label(RichText::new(name).color(ui.visuals().weak_text_color()));
+        });
+        add(ui)
+    });
+    row.inner
+}
+
 /// A choice out of a few that are all visible; returns whether this one was chosen.
 pub(super) fn chip(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip: &str) -> bool {
     let height = match hand {
@@ -203,8 +220,8 @@ pub(super) fn chip(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip
 pub(super) fn chips(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.horizontal_wrapped(|ui| {
         let spacing = ui.spacing_mut();
-        spacing.item_spacing.x = theme::SPACE_SMALL;
-        spacing.button_padding.x = 6.0;
+        spacing.item_spacing.x = 3.0;
+        spacing.button_padding.x = 4.0;
         add(ui);
     });
 }

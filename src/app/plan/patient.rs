@@ -22,6 +22,7 @@ pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Opt
     if now != before {
         measure(scene, now);
     }
+    chest::chest(ui, scene);
     chest::radii(ui, scene, hand);
     visit::visit(ui, scene, hand)
 }
@@ -118,7 +119,7 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
     }
 }
 
-/// Class of the skin, or a measured pull; beside the heading the chest.
+/// Class of the skin, or a measured pull.
 fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand) {
     let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
     let is_pulled = measured.skin_pull_mm.is_some();
@@ -130,10 +131,7 @@ fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand)
          (1 standard deviation).",
         scale
     );
-    ui.horizontal(|ui| {
-        remark(ui, tr!("Skin feels{word}", word)).on_hover_text(about);
-        chest::chest(ui, scene);
-    });
+    remark(ui, tr!("Skin feels{word}", word)).on_hover_text(about);
     chips(ui, |ui| {
         for class in SkinClass::ALL {
             let tooltip = tr("Class of the skin by its anterior pull");

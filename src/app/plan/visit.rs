@@ -2,17 +2,14 @@
 
 use super::date::read_date;
 use super::field::{Field, Values};
-use super::{Hand, chip, chips};
+use super::{Hand, chip, chips, named};
 use crate::app::files;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
-use crate::app::widgets::{rejection_label, remark};
+use crate::app::widgets::{kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
 use crate::scene::{FillSchedule, Scene, Side, TissueModel, Visit};
 use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
-
-/// Width of the names of the fields \[points\].
-const NAMES: f32 = 68.0;
 
 /// The choice of no side, and the name of the date.
 const NOT_SAID: &str = "not said";
@@ -222,20 +219,6 @@ fn fields(ui: &mut Ui, visit: &mut Visit, side: &mut Option<Side>, hand: Hand) -
     focused
 }
 
-/// A field behind its name.
-fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
-    let row = ui.horizontal(|ui| {
-        let place = vec2(NAMES, ui.spacing().interact_size.y);
-        let middle = egui::Layout::left_to_right(egui::Align::Center);
-        ui.allocate_ui_with_layout(place, middle, |ui| {
-            ui.set_min_width(NAMES);
-            ui.label(RichText::new(name).color(ui.visuals().weak_text_color()));
-        });
-        add(ui)
-    });
-    row.inner
-}
-
 fn line(ui: &mut Ui, name: &str, hint: &str, text: &mut String, most: usize) -> Response {
     named(ui, name, |ui| {
         let mut typed = text.clone();
@@ -300,9 +283,7 @@ fn date(ui: &mut Ui, hand: Hand, date: &mut String) -> Response {
     let reason = (read.is_none() && !response.has_focus()).then(|| {
         tr!("{text} is no date: {allowed}", text = format_args!("{text:?}"), allowed = tr(DATE))
     });
-    let height = 2.0 * ui.text_style_height(&egui::TextStyle::Small);
-    ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
-        ui.set_min_height(height);
+    kept_lines(ui, 2, |ui| {
         ui.style_mut().override_font_id = Some(egui::TextStyle::Small.resolve(ui.style()));
         match &reason {
             Some(reason) => rejection_label(ui, reason),

@@ -78,7 +78,7 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
     let (session, compare, device) = (&*session, &*compare, choices.device);
     let practices = &*practices;
     // The same views in every report, whatever the screen shows.
-    let options = Options::natural();
+    let options = Options::default();
     let standing = |standing| Shown {
         is_on_paper: true,
         standing: Some(standing),

@@ -14,7 +14,7 @@ mod torso;
 
 pub(crate) use envelope::Outline;
 pub(crate) use marks::labelled_box;
-pub(crate) use options::Options;
+pub(crate) use options::{Options, Subject as PictureSubject};
 pub(crate) use overlay::{pointer_box, scale_bar};
 
 use super::practice::Practices;

@@ -3,6 +3,30 @@
 use super::renderer::Areola;
 use crate::view::color::Quantity;
 
+/// What the picture is about: colouring and cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Subject {
+    /// Natural skin, uncut.
+    Look,
+    /// Skin and layers on the cut, in natural colours.
+    Inside,
+    /// The uncut skin in the colours of its stretch.
+    Stretch,
+}
+
+impl Subject {
+    pub(crate) const ALL: [Self; 3] = [Self::Look, Self::Inside, Self::Stretch];
+
+    /// Colouring; is the tissue cut?
+    fn parts(self) -> (Quantity, bool) {
+        match self {
+            Self::Look => (Quantity::Tissue, false),
+            Self::Inside => (Quantity::Tissue, true),
+            Self::Stretch => (Quantity::Strain, false),
+        }
+    }
+}
+
 /// Display options; changes cause no solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Options {
@@ -25,9 +49,15 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// Natural skin, uncut, with its areola.
-    pub(crate) fn natural() -> Self {
-        Self { quantity: Quantity::Tissue, section: false, ..Self::default() }
+    /// What the picture is about; `None` for another colouring or cut.
+    pub(crate) fn subject(&self) -> Option<Subject> {
+        let present = (self.quantity, self.section);
+        Subject::ALL.into_iter().find(|subject| subject.parts() == present)
+    }
+
+    /// Sets colouring and cut.
+    pub(crate) fn set_subject(&mut self, subject: Subject) {
+        (self.quantity, self.section) = subject.parts();
     }
 
     /// The switch of the areola for the present colours.
@@ -57,8 +87,8 @@ impl Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            quantity: Quantity::Strain,
-            section: true,
+            quantity: Quantity::Tissue,
+            section: false,
             section_azimuth_deg: -50.0,
             half: false,
             net: false,
@@ -77,6 +107,8 @@ mod tests {
     fn natural_colours_show_the_areola_at_first_and_colours_of_a_quantity_its_edge_once_switched_on()
      {
         let mut options = Options::default();
+        assert_eq!(options.subject(), Some(Subject::Look));
+        options.set_subject(Subject::Stretch);
         assert_eq!(options.areola(), Areola::Hidden);
         assert!(!options.net, "no grid at first");
         *options.areola_mut() = true;

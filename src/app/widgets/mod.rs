@@ -11,7 +11,7 @@ pub(super) use control::{Control, ControlResponse, rejection_label};
 pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
-use super::theme::SPACE;
+use super::theme::{SPACE, SPACE_SMALL};
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
 use egui::accesskit::{Action, ActionData};
 use std::ops::RangeInclusive;
@@ -22,7 +22,7 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
         ui,
         |ui| {
             add(ui);
-            ui.add_space(SPACE);
+            ui.add_space(SPACE_SMALL);
         },
     );
 }
@@ -30,6 +30,18 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
 /// A quiet line of small text that wraps.
 pub(super) fn remark(ui: &mut Ui, text: impl Into<String>) -> Response {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap())
+}
+
+/// The room of some lines of small text, whatever stands in it: words that come and go move no control.
+pub(super) fn kept_lines<R>(ui: &mut Ui, lines: usize, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let height = (lines as f32 * ui.text_style_height(&egui::TextStyle::Small)).ceil();
+    let room = egui::vec2(ui.available_width(), height);
+    let shown = ui.allocate_ui(room, |ui| {
+        ui.set_min_height(height);
+        ui.spacing_mut().item_spacing.y = 0.0;
+        add(ui)
+    });
+    shown.inner
 }
 
 /// Sets the name of a widget, for screen readers and tests, in place of its icon or number.
