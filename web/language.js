@@ -29,5 +29,8 @@ globalThis.implantPreviewLanguage = (language) => {
     element.dataset.enLabel ??= element.getAttribute("aria-label");
     element.setAttribute("aria-label", inLanguage(element.dataset.enLabel, element.dataset.esLabel));
   }
+  // The field that the program adds behind its canvas for what is typed.
+  const field = document.querySelector("#implant-preview-canvas + input");
+  field?.setAttribute("aria-label", inLanguage("What is typed into the preview", "Lo que se escribe en la vista previa"));
 };
 globalThis.implantPreviewLanguage(preferred());

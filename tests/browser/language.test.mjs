@@ -11,6 +11,8 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
     const { page, finish } = await fixture.openApp({ viewport: { width: 1000, height: 700 }, options: { locale: "es-ES" } });
     const language = () => page.evaluate(() => document.documentElement.lang);
     assert.equal(await language(), "es");
+    const field = page.locator("#implant-preview-canvas + input");
+    assert.equal(await field.getAttribute("aria-label"), "Lo que se escribe en la vista previa");
     assert.match(
       await harness.summary(page, "12 cm de anchura"),
       /^Plan: implante de 300 ml, 12 cm de anchura\. Estiramiento de la piel \d+ por ciento, habitual\. .* Al día\./,

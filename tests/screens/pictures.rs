@@ -168,3 +168,25 @@ fn the_field_of_the_insertion_has_whole_percent() {
     assert_eq!(field.value().as_deref(), Some("77"));
     harness.run();
 }
+
+#[test]
+fn the_legend_of_a_phone_is_below_the_tissue_beside_the_scale_bar() {
+    for size in [PHONE, egui::vec2(844.0, 390.0), egui::vec2(360.0, 640.0)] {
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        press(&mut harness, "Stretch");
+        let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+        let places = |words: &str| -> Vec<egui::Rect> {
+            let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+                egui::Shape::Text(text) => Some((text.galley.text(), text.visual_bounding_rect())),
+                _ => None,
+            });
+            let texts =
+                texts.filter(|(text, rect)| text.contains(words) && view.contains_rect(*rect));
+            texts.map(|(_, rect)| rect).collect()
+        };
+        let [legend] = places("Skin stretch [")[..] else { panic!("one legend") };
+        let [scale] = places(" cm")[..] else { panic!("one scale bar") };
+        assert!(legend.top() > view.bottom() - 64.0 && legend.bottom() < view.bottom(), "{legend}");
+        assert!(legend.left() > scale.right(), "{size}: {legend} {scale}");
+    }
+}

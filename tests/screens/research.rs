@@ -146,3 +146,35 @@ fn the_last_two_sizes_stay_without_locks() {
     }
     harness.get_by_label("Volume follows width and projection.");
 }
+
+/// Controls and texts of a screen: what has a name, and what is painted.
+fn count(harness: &Harness<'static, App>) -> [usize; 2] {
+    let everything = By::new().predicate(|_| true).recursive(true);
+    let is_control = |role: Role| {
+        [
+            Role::Button,
+            Role::CheckBox,
+            Role::ComboBox,
+            Role::Slider,
+            Role::SpinButton,
+            Role::TextInput,
+            Role::DisclosureTriangle,
+            Role::Link,
+        ]
+        .contains(&role)
+    };
+    let controls = harness.query_all(everything).filter(|n| is_control(n.accesskit_node().role()));
+    [controls.count(), painted_texts(harness).len()]
+}
+
+#[test]
+fn the_first_screen_has_fewer_controls_and_texts_than_with_research() {
+    let mut harness = app(DESKTOP, opening);
+    let [controls, texts] = count(&harness);
+    harness.state_mut().restore_research(Some("on"));
+    harness.run();
+    let [more_controls, more_texts] = count(&harness);
+    println!("{controls} controls, {texts} texts; {more_controls}, {more_texts} with research");
+    assert!(controls + 5 < more_controls && texts < more_texts);
+    assert!(controls <= 55, "{controls} controls");
+}

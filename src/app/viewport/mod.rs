@@ -301,8 +301,9 @@ impl Viewport {
         }
         let free = area.with_min_y(area.top() + bar);
         let scale = scale.filter(|_| !self.picture.body.is_empty());
-        let legend = scale.map_or(Rect::NOTHING, |s| overlay::legend(ui, &painter, free, s));
-        let taken = [legend, scale_bar(ui, &painter, area, self.points_per_mm(area))];
+        let bar = scale_bar(ui, &painter, area, self.points_per_mm(area));
+        let legend = |scale| overlay::legend(ui, &painter, free, bar, scale);
+        let taken = [scale.map_or(Rect::NOTHING, legend), bar];
         let (right, up) = self.camera.right_and_up();
         overlay::directions(ui, &painter, free, &directions::words(right, up), &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));

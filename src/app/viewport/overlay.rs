@@ -23,10 +23,17 @@ fn font(ui: &Ui) -> FontId {
 }
 
 /// Draws the colour bar with title, unit, limits, words of the bands and a mark at the greatest value: at the right
-/// edge, in a narrow area along the top. Returns the place of the legend.
-pub(crate) fn legend(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
+/// edge, in a narrow area along the bottom, beside the scale bar. Returns the place of the legend.
+pub(crate) fn legend(
+    ui: &Ui,
+    painter: &Painter,
+    area: Rect,
+    scale_bar: Rect,
+    scale: &Scale,
+) -> Rect {
     if area.width() < NARROW {
-        strip(ui, painter, area, scale)
+        let low = area.with_min_x(scale_bar.right()).with_min_y(area.bottom() - STRIP - SPACE);
+        strip(ui, painter, low, scale)
     } else {
         column(ui, painter, area, scale)
     }
@@ -120,10 +127,10 @@ fn column(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
     place
 }
 
-/// Height of the legend along the top \[points\].
+/// Height of the legend along an edge \[points\].
 pub(crate) const STRIP: f32 = 50.0;
 
-/// The legend along the top.
+/// The legend along the top of an area.
 pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Rect {
     let (font, text) = (font(ui), ui.visuals().text_color());
     let left = area.left() + MARGIN;
@@ -138,9 +145,9 @@ pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Re
     painter.rect_stroke(bar, CornerRadius::ZERO, outline, StrokeKind::Outside);
     let at = |value: f32| bar.left() + bar.width() * fraction(scale, value).clamp(0.0, 1.0);
     let above = pos2(left, bar.top() - 2.0);
-    painter.text(above, Align2::LEFT_BOTTOM, title(scale), font.clone(), text);
+    let title = painter.text(above, Align2::LEFT_BOTTOM, title(scale), font.clone(), text);
     // Words above, as far as there is room to the right of the title; numbers below.
-    let mut free = left + 0.36 * bar.width();
+    let mut free = title.right() + 6.0;
     for (value, word) in &scale.words {
         let galley = painter.layout_no_wrap(tr(word).to_owned(), font.clone(), text);
         let start = at(*value) - 0.5 * galley.size().x;
