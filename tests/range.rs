@@ -35,9 +35,10 @@ fn layered() -> Scene {
     scene
 }
 
-/// The app, solved, with the range open.
+/// The app with the switch "Research", solved, with the range open.
 fn range_of(scene: Scene, size: egui::Vec2) -> Harness<'static, App> {
-    let app = App::new(&egui::Context::default(), None, scene, beside_window).unwrap();
+    let mut app = App::new(&egui::Context::default(), None, scene, beside_window).unwrap();
+    app.restore_research(Some("on"));
     let mut harness = window(size, 400, app);
     settle(&mut harness);
     harness.get_by_role_and_label(Role::Button, "Range of implants").click();

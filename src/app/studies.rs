@@ -99,6 +99,11 @@ impl Studies {
         }
     }
 
+    /// Requests a frame: a driver goes on without a finished job.
+    pub(super) fn request_frame(&self) {
+        self.ctx.lock().request_repaint();
+    }
+
     fn cancel(&mut self, index: usize) {
         self.runner.cancel(index);
         self.unfinished.remove(&index);
@@ -195,7 +200,7 @@ impl<S: Study> Driver<S> {
         }
         studies.spent += start.elapsed();
         if is_late {
-            studies.ctx.lock().request_repaint();
+            studies.request_frame();
         }
         study.progress() != before
     }

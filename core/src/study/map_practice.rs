@@ -30,6 +30,12 @@ impl MapPractice {
         self.points.get([i, j][self.along]).copied().flatten()
     }
 
+    /// Does practice say nothing about some of the points?
+    #[must_use]
+    pub fn has_gaps(&self) -> bool {
+        self.points.contains(&None)
+    }
+
     /// A strain \[-\] at a point on the scale of the plan: its practice's limits become those of the plan's, straight between them, and
     /// strains that tear stay. `None` where practice says nothing.
     fn scaled(&self, strain: f64, i: usize, j: usize) -> Option<f64> {

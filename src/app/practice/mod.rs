@@ -165,7 +165,10 @@ impl Practices {
                         self.searched = Some((*plan).clone());
                         self.search.start(practice, studies);
                     }
-                    Err(reason) => self.note((*plan).clone(), Err(reason)),
+                    Err(reason) => {
+                        self.note((*plan).clone(), Err(reason));
+                        studies.request_frame();
+                    }
                 }
             }
             Some(_) => {}
@@ -182,6 +185,8 @@ impl Practices {
         if let Some(plan) = self.searched.take() {
             self.search.cancel(studies);
             self.note(plan, found);
+            // Further plans, and what shows this one.
+            studies.request_frame();
         }
     }
 

@@ -144,12 +144,16 @@ impl Range {
         if self.started.as_ref().is_none_or(|(s, a)| s != scene || *a != axes) {
             self.restart(scene, axes, studies);
         }
+        if self.practice.follow(self.map.study(), self.starts, practices) {
+            self.revision += 1;
+        }
+        // The words of the chart are those of practice from the first value on.
+        if self.practice.is_pending() {
+            return;
+        }
         if self.map.advance(studies) {
             self.revision += 1;
             self.done = None;
-        }
-        if self.practice.follow(self.map.study(), self.starts, practices) {
-            self.revision += 1;
         }
         self.check.advance(studies);
         let Some(map) = self.map.finished() else { return };

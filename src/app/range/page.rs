@@ -73,6 +73,9 @@ impl Range {
                 not_computed
             ));
         }
+        if self.quantity == Quantity::GreatestStrain && self.practice.has_gaps() {
+            words.push(tr("No colour: practice's table does not have this width.").to_owned());
+        }
         if map.pocket_follows() {
             words.push(tr("The pocket keeps its margin.").to_owned());
         }

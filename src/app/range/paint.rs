@@ -328,7 +328,7 @@ pub(super) fn paint_legend(ui: &Ui, painter: &Painter, drawn: &Drawn, rect: Rect
     let unit = pos2(bar.left(), rect.top() - 5.0);
     painter.text(unit, Align2::LEFT_BOTTOM, scale.unit, font.clone(), quiet);
     // Words stand beside the numbers where there is room, else between them.
-    let is_beside = area.right() - left > 70.0;
+    let is_beside = area.right() - left > 70.0 && !scale.is_practice();
     let text = |taken: &mut Vec<f32>, y: f32, x: f32, text: &str, color: Color32| {
         if taken.iter().all(|other| (other - y).abs() > 11.0) {
             painter.text(pos2(x, y), Align2::LEFT_CENTER, text, font.clone(), color);

@@ -13,6 +13,7 @@ pub(super) struct ChartPractice {
     along: usize,
     /// The plan, and the plan of each value of that axis, on the grid of the map. Empty where practice varies along both axes.
     plans: Vec<Scene>,
+    is_pending: bool,
     found: Option<MapPractice>,
 }
 
@@ -31,8 +32,9 @@ impl ChartPractice {
             self.plans = along.map_or_else(Vec::new, |along| plans(map, along));
         }
         let against: Vec<Against> = self.plans.iter().map(|plan| practices.against(plan)).collect();
+        self.is_pending = against.contains(&Against::Waiting);
         let found = match against.split_first() {
-            Some((Against::Practice(plan), points)) if !points.contains(&Against::Waiting) => {
+            Some((Against::Practice(plan), points)) if !self.is_pending => {
                 let points = points.iter().map(|against| against.practice()).collect();
                 Some(MapPractice::new(*plan, self.along, points))
             }
@@ -46,6 +48,16 @@ impl ChartPractice {
     /// The plans whose practice is wanted.
     pub(super) fn wanted(&self) -> &[Scene] {
         &self.plans
+    }
+
+    /// Is practice of a plan not known yet?
+    pub(super) fn is_pending(&self) -> bool {
+        self.is_pending
+    }
+
+    /// Does practice say nothing about some of the points?
+    pub(super) fn has_gaps(&self) -> bool {
+        self.found.as_ref().is_some_and(MapPractice::has_gaps)
     }
 
     /// Practice, once all of it is known.
