@@ -68,7 +68,6 @@ describe("the Tab key", { timeout: 20 * harness.PATIENCE }, () => {
       "Details",
       "Front",
       "Stretch",
-      "Direction of the cut",
       "3-D view",
     ]) {
       assert.ok(there.includes(name), `${name} is not among ${there.join(", ")}`);
