@@ -100,7 +100,7 @@ fn unfolded(change: impl FnOnce(&mut Scene)) -> Harness<'static, App> {
 fn wait_until<T>(
     harness: &mut Harness<'static, App>,
     what: &str,
-    find: impl Fn(&Harness<'static, App>) -> Option<T>,
+    mut find: impl FnMut(&Harness<'static, App>) -> Option<T>,
 ) -> T {
     let start = std::time::Instant::now();
     loop {
@@ -116,6 +116,18 @@ fn wait_until<T>(
 /// Draws frames until practice's volumes of the plan are solved.
 fn wait_for_practice(harness: &mut Harness<'static, App>) {
     wait_until(harness, "practice", |harness| text_with(harness, "Practice's "));
+}
+
+/// Draws frames until the studies of a plan at rest are done: none begins for a second.
+fn wait_for_studies(harness: &mut Harness<'static, App>) {
+    let mut last = std::time::Instant::now();
+    wait_until(harness, "the end of the studies", |harness| {
+        if harness.state().stats().jobs > 0 {
+            last = std::time::Instant::now();
+        }
+        (last.elapsed().as_secs() >= 1).then_some(())
+    });
+    harness.run();
 }
 
 /// The text of the first label that contains these words.
@@ -650,7 +662,7 @@ fn the_computed_radius_follows_the_pocket_until_set() {
 fn an_idle_app_solves_nothing_and_requests_no_repaint() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
     largest_usual(&mut harness);
-    harness.run();
+    wait_for_studies(&mut harness);
     let counters = harness.state().session().counters();
     let revision = harness.state().session().revision();
     for _ in 0..5 {
@@ -1528,10 +1540,12 @@ fn a_tap_on_the_picture_shows_values_until_the_next() {
 #[test]
 fn the_tab_key_goes_through_all_controls_and_back() {
     let mut harness = unfolded(|_| {});
+    // The sentence with the largest volume is a button.
+    wait_for_studies(&mut harness);
     let mut ways = Vec::new();
     for modifiers in [egui::Modifiers::NONE, egui::Modifiers::SHIFT] {
         let mut seen = Vec::new();
-        for _ in 0..120 {
+        for _ in 0..200 {
             harness.key_press_modifiers(modifiers, egui::Key::Tab);
             harness.run();
             let focused = harness.ctx.memory(egui::Memory::focused);

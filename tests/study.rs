@@ -392,6 +392,22 @@ fn the_profile_of_layered_tissue_has_a_band() {
 }
 
 #[test]
+fn few_samples_alone_are_the_first_of_many() {
+    let settings = BandsSettings { samples: 16, ..small(1) };
+    let (mut few, mut store) = (Bands::samples_only(&sheet(), settings).unwrap(), Cases::default());
+    while let Some((index, job)) = few.next_job(&mut store) {
+        assert_eq!(job.scenes.len(), 1);
+        few.receive(index, evaluate(&job), &mut store);
+    }
+    assert_eq!((few.progress(), store.solved()), ((16, 16), 16));
+    let mut many = Bands::new(&sheet(), small(1)).unwrap();
+    run(&mut many, &mut store);
+    assert_eq!((store.reused(), store.solved()), (16, many.progress().1));
+    let strains = |bands: &Bands| bands.values().of(Quantity::GreatestStrain).collect::<Vec<_>>();
+    assert_eq!(strains(&few), strains(&many)[..16]);
+}
+
+#[test]
 fn samples_that_do_not_converge_are_counted() {
     let mut bands = Bands::new(&sheet(), small(1)).unwrap();
     let mut k = 0;

@@ -55,10 +55,18 @@ impl App {
             &self.shared.practices,
             self.shared.choices.device,
         ) + &self.panels.nearest.summary(&self.shared.session)
+            + &self.shares_in_words()
             + &self.shared.volume_marks.largest_in_words(&self.shared.practices)
             + &self.shared.uncertainty.summary()
             + &self.pinned();
         self.panels.range.summary().map_or(answer.clone(), |point| format!("{point} {answer}"))
+    }
+
+    /// The sampled patients by the words of the cards; empty before they are solved.
+    fn shares_in_words(&self) -> String {
+        let Shared { session, practices, uncertainty, choices, .. } = &self.shared;
+        let findings = uncertainty.of_cards(session.scene());
+        answer::shares_in_words((session, practices), choices.device, findings)
     }
 
     /// The pins in a sentence; empty without pins.

@@ -175,7 +175,8 @@ impl App {
         }
     }
 
-    /// Advances the studies. New jobs wait for a solve of the app, unless that takes long.
+    /// Advances the studies. New jobs wait for a solve of the app, unless that takes long. At rest the nearest plans with an answer come
+    /// first, then the largest usual volume, then a few sampled patients.
     fn poll_studies(&mut self, ctx: &egui::Context) {
         let is_working = self.shared.session.is_working();
         self.studies.poll(ctx, is_working && !self.shared.is_long());
@@ -202,7 +203,8 @@ impl App {
         let bands = uncertainty.choices(scene);
         volume_marks.advance((scene, &sizes.shelf), bands, practices, studies, is_searched);
         shelf_largest.advance(scene, sizes, practices, studies, is_busy);
-        uncertainty.advance(session, studies, ctx, is_busy);
+        let is_known = volume_marks.is_known(scene);
+        uncertainty.advance(session, studies, ctx, is_busy, is_known);
     }
 
     /// Solves a pin for one slice.

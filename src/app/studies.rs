@@ -238,7 +238,7 @@ impl<S: Study> Driver<S> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::scene::Scene;
     use crate::solve::Progress;
@@ -257,9 +257,9 @@ mod tests {
     }
 
     #[derive(Default)]
-    struct Log {
-        submitted: usize,
-        cancelled: Vec<usize>,
+    pub(in crate::app) struct Log {
+        pub(in crate::app) submitted: usize,
+        pub(in crate::app) cancelled: Vec<usize>,
     }
 
     impl Runner for Inline {
@@ -293,10 +293,15 @@ mod tests {
         }
     }
 
-    fn studies(broken: &[usize]) -> (Studies, Rc<RefCell<Log>>) {
+    pub(in crate::app) fn studies(broken: &[usize]) -> (Studies, Rc<RefCell<Log>>) {
         let runner = Inline { broken: broken.to_vec(), ..Inline::default() };
         let log = Rc::clone(&runner.log);
         (Studies::new(&egui::Context::default(), |_| Box::new(runner)), log)
+    }
+
+    /// Numbers of solved cases, and of those taken from the store.
+    pub(in crate::app) fn solved_and_reused(studies: &Studies) -> (usize, usize) {
+        (studies.store.solved(), studies.store.reused())
     }
 
     /// A map of 41 sheets.

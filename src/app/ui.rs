@@ -109,7 +109,7 @@ impl App {
         };
         sheet.resizable(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = theme::SPACE_SMALL;
-            let findings = self.shared.uncertainty.findings();
+            let findings = self.shared.uncertainty.of_cards(self.shared.session.scene());
             let seen = (&self.shared.session, &self.shared.practices);
             answer::show_short(ui, seen, self.shared.previous_results(), findings);
             self.tabs(ui);
@@ -210,7 +210,8 @@ impl App {
                 ui.add(egui::Label::new(words.strong()).wrap());
             }
             let near_end = shared.volume_marks.near_end(scene);
-            let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
+            let findings = shared.uncertainty.of_cards(shared.session.scene());
+            let previous = shared.previous_results();
             let seen = (&shared.session, &shared.practices);
             answer::show(ui, seen, previous, findings, &near_end);
         }

@@ -129,6 +129,36 @@ fn the_verdict_is_that_of_the_plan_with_and_without_bands() {
     assert!(lines.iter().any(|line| harness.query_by_label(line).is_some()), "{lines:?}");
 }
 
+/// A plan that nobody touches: its cards have the words and the bands of a few patients, and are as high as without.
+#[test]
+fn a_plan_at_rest_has_the_shares_and_bands_of_a_few_patients() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let height = |harness: &Harness<'static, App>| {
+        let top = |label| harness.get_by_label(label).rect().top();
+        top(SWITCH) - top("Cover over implant")
+    };
+    let before = height(&harness);
+    let few = BandsSettings { importance_rows: 0, ..settings() };
+    let assert_few = |harness: &mut Harness<'static, App>| {
+        wait_until(harness, "the shares", |harness| text_with(harness, " of 10 such patients"));
+        assert!((height(harness) - before).abs() < 0.1);
+        let scene = harness.state().session().scene().clone();
+        let bands = study_of(&scene, few.clone()).bands();
+        assert_cards(harness, &bands);
+        let summary = harness.state().summary();
+        for words in [" Cover over implant: not thin in ", " Pressure on the tissue: usual in "] {
+            assert!(summary.contains(words), "{summary}");
+        }
+        assert!(summary.contains(" of 10 such patients"), "{summary}");
+        // The study of the section is off.
+        assert_eq!(harness.state().stats().samples_all, 0);
+    };
+    assert_few(&mut harness);
+    type_into(&mut harness, "Volume (ml)", "280");
+    assert_few(&mut harness);
+    settle(&mut harness);
+}
+
 #[test]
 fn bands_are_those_of_the_study_and_stand_beside_every_number() {
     let mut harness = sampled(WIDE);

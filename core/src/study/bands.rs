@@ -102,6 +102,7 @@ pub struct Bands {
     /// Items: the scene, the scenarios of the method, the samples (rows of A), rows of B, then for each unknown rows of A with
     /// the unknown of B.
     queue: Queue,
+    scenes_per_job: usize,
 }
 
 /// Items before the samples: the scene and the scenarios.
@@ -150,7 +151,20 @@ impl Bands {
         }
         let mixed = if rows == 0 { 0 } else { rows * (unknowns.len() + 1) };
         let queue = Queue::new((0..FIRST_SAMPLE + settings.samples + mixed).collect());
-        Ok(Self { base, settings, grid, unknowns, queue })
+        Ok(Self { base, settings, grid, unknowns, queue, scenes_per_job: 8 })
+    }
+
+    /// The samples of a scene alone, without the scene itself, the scenarios and the importance, each a job of its own: few samples
+    /// are spread over all workers, and end soon after a cancellation.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn samples_only(scene: &Scene, settings: BandsSettings) -> Result<Self, BandsError> {
+        let mut bands = Self::new(scene, BandsSettings { importance_rows: 0, ..settings })?;
+        let end = FIRST_SAMPLE + bands.settings.samples;
+        bands.queue = Queue::new((FIRST_SAMPLE..end).collect());
+        bands.scenes_per_job = 1;
+        Ok(bands)
     }
 
     /// The unknowns with their distributions.
@@ -351,6 +365,12 @@ impl Bands {
         )]
     }
 
+    /// Number of solved scenes that change the bands apart from their importance.
+    #[must_use]
+    pub fn solved(&self) -> usize {
+        self.queue.cases()[..FIRST_SAMPLE + self.settings.samples].iter().flatten().count()
+    }
+
     /// The whole report, for a file.
     #[must_use]
     pub fn report(&self) -> BandsReport {
@@ -386,11 +406,14 @@ impl Bands {
 }
 
 impl Queued for Bands {
-    const SCENES_PER_JOB: usize = 8;
     const HAS_PROFILE: bool = true;
 
     fn queue(&self) -> &Queue {
         &self.queue
+    }
+
+    fn scenes_per_job(&self) -> usize {
+        self.scenes_per_job
     }
 
     fn queue_mut(&mut self) -> &mut Queue {

@@ -63,12 +63,15 @@ impl MapCheck {
 }
 
 impl Queued for MapCheck {
-    // The points take long and have different grids.
-    const SCENES_PER_JOB: usize = 1;
     const HAS_PROFILE: bool = false;
 
     fn queue(&self) -> &Queue {
         &self.queue
+    }
+
+    fn scenes_per_job(&self) -> usize {
+        // The points take long and have different grids.
+        1
     }
 
     fn queue_mut(&mut self) -> &mut Queue {

@@ -20,12 +20,14 @@ pub(super) struct Queue {
     cases: Vec<Option<Case>>,
     jobs: usize,
     done: usize,
+    all: usize,
 }
 
 impl Queue {
-    /// The queue of the items of this order.
+    /// The queue of these items in this order; another item has no case.
     pub(super) fn new(order: Vec<usize>) -> Self {
-        Self { cases: vec![None; order.len()], waiting: order.into(), ..Self::default() }
+        let (all, end) = (order.len(), order.iter().max().map_or(0, |last| last + 1));
+        Self { cases: vec![None; end], waiting: order.into(), all, ..Self::default() }
     }
 
     /// The next job and its index: up to `size` scenes that no job has computed. Items with a stored case, items out of
@@ -111,26 +113,27 @@ impl Queue {
         self.cases.get(item)?.as_ref()
     }
 
-    /// The cases of all items.
+    /// The cases by item.
     pub(super) fn cases(&self) -> &[Option<Case>] {
         &self.cases
     }
 
     /// Numbers of solved items and of all items.
     pub(super) fn progress(&self) -> (usize, usize) {
-        (self.done, self.cases.len())
+        (self.done, self.all)
     }
 }
 
 /// A study whose items are the numbers of its scenes.
 pub(super) trait Queued {
-    /// Greatest number of scenes in a job.
-    const SCENES_PER_JOB: usize;
     /// Do the cases contain the profile of the skin?
     const HAS_PROFILE: bool;
 
     /// The items on their way.
     fn queue(&self) -> &Queue;
+
+    /// Greatest number of scenes in a job.
+    fn scenes_per_job(&self) -> usize;
 
     /// [`Self::queue`].
     fn queue_mut(&mut self) -> &mut Queue;
@@ -144,7 +147,7 @@ impl<T: Queued> Study for T {
         // The scenes are made from the rest of the study.
         let mut queue = std::mem::take(self.queue_mut());
         let scene = |item: usize| self.scene_of(item);
-        let job = queue.next_job(T::SCENES_PER_JOB, T::HAS_PROFILE, store, scene);
+        let job = queue.next_job(self.scenes_per_job(), T::HAS_PROFILE, store, scene);
         *self.queue_mut() = queue;
         job
     }

@@ -162,7 +162,7 @@ pub(super) struct Card {
     pub(super) verdict: Option<Verdict>,
     /// What stands in place of a word without limits.
     pub(super) no_verdict: &'static str,
-    /// Numbers of sampled patients by their words, in a line.
+    /// Numbers of sampled patients by their words, in a line, which takes the place of the other one once the patients are solved.
     pub(super) shares: Option<String>,
     pub(super) line: String,
     /// The value on the bar.
@@ -200,16 +200,15 @@ impl<'a> Sampled<'a> {
         self.0.and_then(|findings| findings.band(quantity))
     }
 
-    /// The range in brackets, as "(4–31) "; open at its worse end if more than [`OPEN_ABOVE`] of the patients are missing.
+    /// The range in brackets, as "(4–31) ", in whole units; open at its worse end if more than [`OPEN_ABOVE`] of the patients are missing.
     fn brackets(&self, quantity: Quantity, is_low_worse: bool) -> String {
         let Some((band, findings)) = self.band(quantity).zip(self.0) else { return String::new() };
         let (factor, unit) = quantity.display();
-        let decimals = usize::from(unit == "mm");
         let ends = [band.p10, band.p90].map(|value| factor * value);
         if unit == "mmHg" && ends[1].round() > texts::MOST_PRESSURE {
             return format!("({}) ", texts::pressures(ends));
         }
-        let [low, high] = ends.map(|value| fixed(value, decimals));
+        let [low, high] = ends.map(|value| fixed(value, 0));
         match findings.without_answer() > OPEN_ABOVE {
             true if is_low_worse => format!("(≤ {low}–{high}) "),
             true => format!("({low}–≥ {high}) "),
@@ -263,17 +262,13 @@ fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
 
 fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
-    let missing = sampled.0.and_then(Findings::missing).unwrap_or_default();
-    let line = answer.strain.map_or_else(String::new, |_| {
-        let share = match answer.reserve {
-            Some(_) => String::new(),
-            None => tr!(
-                "{share} of the skin is above {limit:.0} %. ",
-                share = sampled.in_line(Quantity::AreaOver25, answer.share),
-                limit = 100.0 * SHARE_ABOVE.0
-            ),
-        };
-        format!("{missing}{share}").trim_end().to_owned()
+    let line = answer.strain.map_or_else(String::new, |_| match answer.reserve {
+        Some(_) => String::new(),
+        None => tr!(
+            "{share} of the skin is above {limit:.0} %.",
+            share = sampled.in_line(Quantity::AreaOver25, answer.share),
+            limit = 100.0 * SHARE_ABOVE.0
+        ),
     });
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
     let (limits, factor) = answer.skin.limits();
@@ -288,7 +283,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         (line, (practice.same, tr!("practice {percent:.0} %", percent)))
     });
     let (line, mark) = match practice {
-        Some((words, mark)) => (format!("{words} {missing}").trim_end().to_owned(), Some(mark)),
+        Some((words, mark)) => (words, Some(mark)),
         None => (line, None),
     };
     let range = sampled.range(Quantity::GreatestStrain);

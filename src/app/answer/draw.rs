@@ -6,7 +6,7 @@ use super::text_of;
 use crate::app::device::Device;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
-use crate::app::uncertainty::Findings;
+use crate::app::uncertainty::{Findings, without_answer};
 use crate::measure::bands;
 use crate::view::color;
 use eframe::egui::{
@@ -31,12 +31,16 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
                 let beside = RichText::new(&card.beside).color(ui.visuals().weak_text_color());
                 ui.add(egui::Label::new(beside).truncate());
             });
-            if let Some(shares) = &card.shares {
-                ui.add(egui::Label::new(RichText::new(shares).small()).wrap());
-            }
             draw(ui, &Bar::of(card));
-            let line = RichText::new(&card.line).small().color(ui.visuals().weak_text_color());
-            ui.add(egui::Label::new(line).wrap());
+            // One row with and without sampled patients: nothing below moves.
+            let line = match &card.shares {
+                Some(shares) => egui::Label::new(RichText::new(shares).small()).truncate(),
+                None => {
+                    let line = RichText::new(&card.line).small();
+                    egui::Label::new(line.color(ui.visuals().weak_text_color())).wrap()
+                }
+            };
+            ui.add(line);
         })
         .response;
     let mut tooltip = match &card.scale {
@@ -55,6 +59,9 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
                 .map_or_else(String::new, |median| tr!(", median {median}", median)),
             tooltip
         );
+        let line = card.shares.as_ref().map(|_| card.line.clone());
+        let further = [line, without_answer(findings)].into_iter().flatten();
+        tooltip = further.chain([tooltip]).collect::<Vec<_>>().join("\n");
     }
     response.on_hover_text(Device::of(ui.ctx()).words(&tooltip));
 }

@@ -130,10 +130,28 @@ pub(super) fn rows(
             device.words(card.title),
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
-            card.shares.map_or(card.line.clone(), |shares| format!("{shares}. {}", card.line)),
+            match card.shares {
+                Some(shares) => format!("{shares}. {}", card.line).trim_end().to_owned(),
+                None => card.line,
+            },
         ]
     };
     cards.into_iter().map(row).collect()
+}
+
+/// The numbers of sampled patients by the words of the cards of a device, in a sentence for each card, for screen readers.
+pub(super) fn shares_in_words(
+    (session, practices): (&Session, &Practices),
+    device: Device,
+    findings: Option<&Findings>,
+) -> String {
+    let sentence = |card: &Card| {
+        let mut shares = card.shares.as_ref()?.chars();
+        let first = shares.next()?.to_lowercase();
+        Some(format!(" {}: {first}{}.", device.words(card.title), shares.as_str()))
+    };
+    let cards = cards(&answer(session, practices, PreviousResults::Shown), findings);
+    cards.iter().filter_map(sentence).collect()
 }
 
 /// The bars of the cards, in the order of [`rows`].

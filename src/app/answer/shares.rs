@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 
 /// Parts of all patients.
 const PARTS: usize = 10;
+/// Greatest number of words with a long first one: a row of a card has no room for more.
+const LONG: usize = 3;
 
 /// The parts of patients by band and word in the language of the user, from the lowest band; the last part is of those without an answer. `None` without patients.
 pub(super) fn in_words(
@@ -19,11 +21,15 @@ pub(super) fn in_words(
         counts.into_iter().map(|((_, word), count)| (word, count)).collect();
     counts.push((tr("no answer"), without_answer));
     let parts = tenths(&counts.iter().map(|(_, count)| *count).collect::<Vec<_>>())?;
-    let mut named = counts.iter().zip(parts).filter(|(_, part)| *part > 0);
-    let ((first, _), part) = named.next()?;
-    let first = tr!("{word} in {part} of 10 such patients", word = first, part);
-    let rest = named.map(|((word, _), part)| format!(", {word} {part}"));
-    let text = rest.fold(first, |text, part| text + &part);
+    let named = counts.iter().map(|(word, _)| *word).zip(parts).filter(|(_, part)| *part > 0);
+    let named: Vec<(&str, usize)> = named.collect();
+    let (&(word, part), rest) = named.split_first()?;
+    let first = if named.len() > LONG {
+        tr!("{word} in {part} of 10", word, part)
+    } else {
+        tr!("{word} in {part} of 10 such patients", word, part)
+    };
+    let text = rest.iter().fold(first, |text, (word, part)| format!("{text}, {word} {part}"));
     let mut letters = text.chars();
     Some(letters.next()?.to_uppercase().chain(letters).collect())
 }
@@ -74,6 +80,8 @@ mod tests {
         assert_eq!(of([160, 70, 26], 0), all);
         assert_eq!(of([255, 1, 0], 0), words("Usual in 10 of 10 such patients"));
         assert_eq!(of([0, 8, 0], 2), words("High in 8 of 10 such patients, no answer 2"));
+        let many = words("Usual in 4 of 10, high 3, very high 2, no answer 1");
+        assert_eq!(of([4, 3, 2], 1), many);
         assert_eq!(of([0, 0, 0], 0), None);
     }
 }

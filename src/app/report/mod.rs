@@ -53,7 +53,7 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     let figure = Figure {
         headline: answer::headline(session, practices, PreviousResults::Shown),
         plan: plan::rows(session.scene(), device),
-        cards: cards((session, practices), device, uncertainty.findings()),
+        cards: cards((session, practices), device, uncertainty.of_cards(session.scene())),
         remarks: remarks(session, device),
         patient: plan::patient_in_words(session.scene()),
         origin: format!("{} · {}", origin(), status::model(session.scene(), true)),
@@ -159,7 +159,7 @@ pub(super) fn report(
     let Pictures { poses, pins, further, missing, accuracy } = pictures(shared, range)?;
     let Shared { session, choices, uncertainty, volume_marks, practices, .. } = &*shared;
     let device = choices.device;
-    let findings = uncertainty.findings();
+    let findings = uncertainty.of_cards(session.scene());
     let sampled = |scene: &_| uncertainty.values(scene);
     let bars = answer::bars((session, practices), findings);
     let page = Page {
@@ -177,7 +177,7 @@ pub(super) fn report(
         technical: [
             status::model(session.scene(), true),
             plan::poisson_ratios(session.scene()),
-            uncertainty.seed_in_words().unwrap_or_default(),
+            uncertainty.seed_in_words(session.scene()).unwrap_or_default(),
             accuracy,
         ]
         .into_iter()
@@ -186,7 +186,7 @@ pub(super) fn report(
         answers: cards((session, practices), device, findings).into_iter().zip(bars).collect(),
         remarks: remarks(session, device),
         table: compare::rows(session, &sampled, practices),
-        bands: uncertainty.about_bands(),
+        bands: uncertainty.about_bands(session.scene()),
         steps: filling.steps(session.scene()),
         limits: answer::limits_in_words(session, practices, device).to_vec(),
         plan_json: session.document_json(),

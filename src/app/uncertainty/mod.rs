@@ -1,33 +1,31 @@
 //! Uncertainty: bands of the plan's results over what is not known about a person.
 //!
-//! This file runs the study: after the plan is solved, again after each edit; then one for each pin. `panel` (the section
-//! of the answer) | `unknowns` (what varies, and how much) | `chart` (which unknown matters most) | `pins` (the samples of
-//! the pins).
+//! This file runs the studies: of a few patients after each edit, once the plan and its largest usual volume are known; while the section
+//! is on, then of all patients, and one for each pin. `sampling` (a study of the plan and its findings) | `panel` (the section of the
+//! answer) | `unknowns` (what varies, and how much) | `chart` (which unknown matters most) | `pins` (the samples of the pins).
 
 mod chart;
 mod panel;
 mod pins;
+mod sampling;
 mod unknowns;
 
-pub(super) use panel::figure;
+pub(super) use panel::{figure, without_answer};
+pub(super) use sampling::Findings;
 
-use super::studies::{Driver, Studies};
+use super::studies::Studies;
 use crate::app::texts::tr;
 use crate::measure::Status;
 use crate::scene::Scene;
 use crate::session::Session;
-use crate::study::{
-    Band, Bands, BandsSettings, Index, LEAST_ANSWERS, PointStatus, Quantity, Samples, SectionBand,
-    Unknown,
-};
+use crate::study::{Bands, BandsSettings, Index, Quantity, Samples, SectionBand, Unknown};
 use eframe::egui;
 use pins::PinSamples;
-use std::collections::BTreeMap;
-use std::time::Duration;
+use sampling::Sampling;
 use unknowns::Choices;
 
-/// Time after an edit before the study starts \[s\].
-const QUIET: f64 = 0.3;
+/// Number of the few patients, which are the first of all patients.
+const FEW: usize = 16;
 
 /// The study of what is not known, and its choices.
 pub(super) struct Uncertainty {
@@ -37,82 +35,13 @@ pub(super) struct Uncertainty {
     choices: Choices,
     /// The quantity of the chart.
     explained: Quantity,
-    driver: Driver<Bands>,
-    /// Scene and settings of the study, or of the study that waits for its start.
-    subject: Option<(Scene, BandsSettings)>,
-    /// Time of the edit after which the study waits for its start \[s\].
-    waits_since: Option<f64>,
-    /// Why the study has not started.
-    error: Option<String>,
-    findings: Findings,
-    pins: PinSamples,
-}
-
-/// The bands so far.
-#[derive(Default)]
-pub(super) struct Findings {
-    /// Number of samples.
-    samples: usize,
-    /// Solved samples by state.
-    counts: BTreeMap<&'static str, usize>,
-    bands: Vec<Band>,
-    values: Samples,
-    section: Vec<SectionBand>,
-    /// Importance for the chart's quantity.
+    /// Importance of the unknowns for that quantity, greatest first.
     importance: Vec<(Unknown, Index)>,
-}
-
-impl Findings {
-    /// The band of a quantity; `None` if the quantity does not apply.
-    pub(super) fn band(&self, quantity: Quantity) -> Option<&Band> {
-        self.bands.iter().find(|band| band.quantity == quantity)
-    }
-
-    /// The values of the samples.
-    pub(super) fn values(&self) -> &Samples {
-        &self.values
-    }
-
-    /// The band of the skin's section.
-    pub(super) fn section(&self) -> &[SectionBand] {
-        &self.section
-    }
-
-    /// Number of samples with an answer.
-    pub(super) fn answers(&self) -> usize {
-        self.count(PointStatus::Converged)
-    }
-
-    /// Are there no bands?
-    pub(super) fn is_empty(&self) -> bool {
-        self.bands.is_empty()
-    }
-
-    /// Share of the solved samples without an answer \[-\].
-    pub(super) fn without_answer(&self) -> f64 {
-        let solved = self.solved();
-        (solved - self.answers()) as f64 / solved.max(1) as f64
-    }
-
-    /// The number of samples without an answer in a sentence, with a space after it; `None` if all have one.
-    pub(super) fn missing(&self) -> Option<String> {
-        let (none, of) = (self.solved() - self.answers(), self.solved());
-        (none > 0).then(|| tr!("{none} of {of} such patients without an answer. ", none, of))
-    }
-
-    /// Number of solved samples.
-    pub(super) fn solved(&self) -> usize {
-        self.counts.values().sum()
-    }
-
-    /// Are all samples solved?
-    fn is_sampled(&self) -> bool {
-        self.samples > 0 && self.solved() == self.samples
-    }
-
-    fn count(&self, status: PointStatus) -> usize {
-        self.counts.get(status.word()).copied().unwrap_or(0)
-    }
+    /// A few patients, at any time.
+    few: Sampling,
+    /// All patients, while the section is on.
+    all: Sampling,
+    pins: PinSamples,
 }
 
 impl Default for Uncertainty {
@@ -122,130 +51,87 @@ impl Default for Uncertainty {
             is_in_picture: false,
             choices: Choices::default(),
             explained: Quantity::GreatestStrain,
-            driver: Driver::default(),
-            subject: None,
-            waits_since: None,
-            error: None,
-            findings: Findings::default(),
+            importance: Vec::new(),
+            few: Sampling::new(Bands::samples_only),
+            all: Sampling::new(Bands::new),
             pins: PinSamples::default(),
         }
     }
 }
 
 impl Uncertainty {
-    /// Starts, continues or cancels the study, once a frame. `is_busy`: the plan is being solved or edited.
+    /// Starts, continues or cancels the studies, once a frame. `is_busy`: the plan is being solved or edited; `is_known`: the largest
+    /// usual volume of the plan is known, before which no study starts that the user has not switched on.
     pub(super) fn advance(
         &mut self,
         session: &Session,
         studies: &mut Studies,
         ctx: &egui::Context,
         is_busy: bool,
+        is_known: bool,
     ) {
+        let (scene, settings) = (session.scene(), self.choices.settings(session.scene()));
+        let is_solved = !is_busy && has_answer(session);
+        let few = BandsSettings { samples: FEW, importance_rows: 0, ..settings.clone() };
+        let may_start = is_solved && (self.is_on || is_known);
+        self.few.advance((scene, few), studies, ctx, may_start);
         if !self.is_on {
-            if self.subject.take().is_some() {
-                self.stop(studies);
-                self.pins.cancel(studies);
-            }
+            self.all.stop(studies);
+            self.pins.cancel(studies);
             return;
         }
-        let (scene, settings) = (session.scene(), self.choices.settings(session.scene()));
-        let now = ctx.input(|input| input.time);
-        if self.subject.as_ref().is_none_or(|(of, by)| !of.is_same_plan(scene) || *by != settings) {
-            self.stop(studies);
-            self.subject = Some((scene.clone(), settings));
-            self.waits_since = Some(now);
-        }
-        if let Some(since) = self.waits_since
-            && !is_busy
-            && has_answer(session)
-        {
-            let left = since + QUIET - now;
-            if left > 0.0 {
-                ctx.request_repaint_after(Duration::from_secs_f64(left));
-            } else {
-                self.waits_since = None;
-                self.start(studies);
-            }
-        }
-        if self.driver.advance(studies) {
-            self.read();
+        // The solved patients are taken from those stored.
+        let may_start = is_solved && self.few.is_at_end();
+        if self.all.advance((scene, settings), studies, ctx, may_start) {
+            self.explain();
         }
         // The present plan first, the pins at rest.
-        let is_free = self.driver.finished().is_some() && !is_busy;
+        let is_free = self.all.driver.finished().is_some() && !is_busy;
         self.pins.advance(session, |scene| self.choices.settings(scene), studies, is_free);
     }
 
-    fn start(&mut self, studies: &mut Studies) {
-        let Some((scene, settings)) = &self.subject else { return };
-        match Bands::new(scene, settings.clone()) {
-            Ok(bands) => {
-                self.findings.samples = settings.samples;
-                self.driver.start(bands, studies);
-            }
-            Err(error) => self.error = Some(error.to_string()),
-        }
-    }
-
-    /// Cancels the study; its bands are those of another plan.
-    fn stop(&mut self, studies: &mut Studies) {
-        self.driver.cancel(studies);
-        self.findings = Findings::default();
-        self.waits_since = None;
-        self.error = None;
-    }
-
-    /// Reads what the study has found. Bands change with the samples, the importance after the samples.
-    fn read(&mut self) {
-        let Some(study) = self.driver.study() else { return };
-        let before = self.findings.solved();
-        self.findings.counts = study.counts();
-        self.findings.counts.remove(PointStatus::Waiting.word());
-        if self.findings.solved() != before && self.findings.answers() >= LEAST_ANSWERS {
-            self.findings.bands = study.bands();
-            self.findings.values = study.values();
-            self.findings.section = study.section();
-        }
-        if self.findings.is_sampled() {
-            self.explain();
-        }
-    }
-
-    /// Reads the importance for the chart's quantity, greatest first.
+    /// Reads the importance for the chart's quantity, greatest first: empty before all patients are solved.
     fn explain(&mut self) {
-        let Some(study) = self.driver.study() else { return };
+        self.importance.clear();
+        let is_sampled = self.all.findings.is_sampled();
+        let Some(study) = self.all.driver.study().filter(|_| is_sampled) else { return };
         let unknowns = study.unknowns().iter().map(|(unknown, _)| *unknown);
         let found = unknowns.zip(study.importance(self.explained));
-        let mut found: Vec<_> =
-            found.filter_map(|(unknown, index)| Some((unknown, index?))).collect();
-        found.sort_by(|(_, a), (_, b)| b.first_order.total_cmp(&a.first_order));
-        self.findings.importance = found;
+        self.importance.extend(found.filter_map(|(unknown, index)| Some((unknown, index?))));
+        self.importance.sort_by(|(_, a), (_, b)| b.first_order.total_cmp(&a.first_order));
     }
 
     /// The choices of the bands of a plan while they are on, and whether the bands are complete; the importance takes longer.
     pub(super) fn choices(&self, scene: &Scene) -> Option<(BandsSettings, bool)> {
-        self.is_on.then(|| (self.choices.settings(scene), self.findings.is_sampled()))
+        self.is_on.then(|| (self.choices.settings(scene), self.all.findings.is_sampled()))
     }
 
     /// [`Self::progress`] while the study runs.
     pub(super) fn running(&self) -> Option<(usize, usize)> {
-        self.driver.is_running().then(|| self.progress())
+        self.all.driver.is_running().then(|| self.progress())
     }
 
     /// Numbers of computed plans and of all plans of the study; both 0 without one.
     pub(super) fn progress(&self) -> (usize, usize) {
-        self.driver.progress()
+        self.all.driver.progress()
     }
 
     /// The bands of the present plan; `None` without enough samples.
     pub(super) fn findings(&self) -> Option<&Findings> {
-        Some(&self.findings).filter(|findings| !findings.bands.is_empty())
+        self.all.findings()
+    }
+
+    /// The bands of the cards of a plan: those of all patients once all are solved, else those of the few; `None` before.
+    pub(super) fn of_cards(&self, scene: &Scene) -> Option<&Findings> {
+        let found = self.all.complete().or_else(|| self.few.complete());
+        found.filter(|_| self.few.is_of(scene))
     }
 
     /// The sampled values of a plan that is the present one or a pin; `None` before its samples.
     pub(super) fn values(&self, scene: &Scene) -> Option<&Samples> {
-        let (subject, _) = self.subject.as_ref()?;
-        if subject.is_same_plan(scene) {
-            return self.findings().map(|findings| &findings.values);
+        self.all.settings()?;
+        if self.all.is_of(scene) {
+            return self.findings().map(Findings::values);
         }
         self.pins.values(scene)
     }
@@ -255,37 +141,32 @@ impl Uncertainty {
         self.findings().filter(|_| self.is_in_picture).map(Findings::section)
     }
 
-    /// What the bands are, in a few sentences; `None` without bands.
-    pub(super) fn about_bands(&self) -> Option<String> {
-        let findings = self.findings()?;
-        let count = match (findings.solved(), findings.samples) {
-            (solved, all) if solved == all => all.to_string(),
-            (solved, all) => tr!("{solved} of {all}", solved, all),
-        };
-        let mut words =
-            tr!("In brackets: 10th to 90th percentile of {count} sampled patients.", count);
-        if let Some(missing) = panel::without_answer(findings) {
+    /// What the bands of the cards of a plan are, in a few sentences; `None` without bands.
+    pub(super) fn about_bands(&self, scene: &Scene) -> Option<String> {
+        let findings = self.of_cards(scene)?;
+        let mut words = tr!(
+            "In brackets: 10th to 90th percentile of {count} sampled patients.",
+            count = findings.samples
+        );
+        if let Some(missing) = without_answer(findings) {
             words += " ";
             words += &missing;
         }
         Some(words)
     }
 
-    /// What repeats the sampled patients, in a sentence; `None` without bands.
-    pub(super) fn seed_in_words(&self) -> Option<String> {
-        let seed = self.findings().and(self.driver.study())?.settings().seed;
+    /// What repeats the sampled patients of a plan, in a sentence; `None` without bands.
+    pub(super) fn seed_in_words(&self, scene: &Scene) -> Option<String> {
+        let seed = self.of_cards(scene).and(self.few.settings())?.seed;
         Some(tr!("Seed of the sampled patients: {seed}.", seed))
     }
 
     /// The bands of the answer in one sentence, for screen readers; empty without bands.
     pub(super) fn summary(&self) -> String {
-        if self.driver.is_running() {
+        if self.all.driver.is_running() {
             return tr(" Patients are being computed.").to_owned();
         }
-        let Some(findings) = self.findings() else { return String::new() };
-        if findings.solved() < findings.samples {
-            return String::new();
-        }
+        let Some(findings) = self.all.complete() else { return String::new() };
         let list: Vec<String> = panel::ANSWER
             .iter()
             .filter_map(|(quantity, name)| {
@@ -305,4 +186,125 @@ impl Uncertainty {
 /// Has the present plan an answer within its tolerance?
 fn has_answer(session: &Session) -> bool {
     session.result().is_some_and(|outcome| outcome.status == Status::Converged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::studies::tests::{Log, solved_and_reused, studies};
+    use crate::scene::TissueModel;
+    use crate::session::Command;
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    /// The studies beside a session, frame by frame.
+    struct Frames {
+        ctx: egui::Context,
+        time: f64,
+        session: Session,
+        studies: Studies,
+        log: Rc<RefCell<Log>>,
+        uncertainty: Uncertainty,
+    }
+
+    impl Frames {
+        /// A solved sheet.
+        fn new() -> Self {
+            let mut scene = Scene::opening();
+            scene.set_tissue_model(TissueModel::Sheet);
+            let (studies, log) = studies(&[]);
+            let (ctx, uncertainty) = (egui::Context::default(), Uncertainty::default());
+            let session = Session::new(scene).unwrap();
+            let mut frames = Self { ctx, time: 0.0, session, studies, log, uncertainty };
+            frames.solve();
+            frames
+        }
+
+        fn solve(&mut self) {
+            while self.session.is_working() {
+                self.session.solve(&mut || false);
+                self.session.conclude();
+            }
+        }
+
+        fn edit(&mut self, edit: impl FnOnce(&mut Scene)) {
+            let mut scene = Box::new(self.session.scene().clone());
+            edit(&mut scene);
+            self.session.apply(Command::Edit { scene, gesture: 1 }).unwrap();
+            self.solve();
+        }
+
+        /// A frame after a tenth of a second.
+        fn next(&mut self, is_known: bool) {
+            self.time += 0.1;
+            self.ctx.begin_pass(egui::RawInput { time: Some(self.time), ..Default::default() });
+            self.studies.poll(&self.ctx, false);
+            let Self { session, studies, ctx, .. } = self;
+            self.uncertainty.advance(session, studies, ctx, false, is_known);
+            self.ctx.end_pass().textures_delta.clear();
+        }
+
+        /// Number of patients in the cards.
+        fn in_cards(&self) -> Option<usize> {
+            self.uncertainty.of_cards(self.session.scene()).map(Findings::solved)
+        }
+
+        fn until(&mut self, is_reached: impl Fn(&Self) -> bool) {
+            for _ in 0..1000 {
+                if is_reached(self) {
+                    return;
+                }
+                self.next(true);
+            }
+            panic!("{:?} of {:?}", solved_and_reused(&self.studies), self.uncertainty.progress());
+        }
+    }
+
+    #[test]
+    fn a_few_patients_are_solved_after_the_largest_volume_and_an_edit_cancels_them() {
+        let mut frames = Frames::new();
+        (0..10).for_each(|_| frames.next(false));
+        assert_eq!(frames.log.borrow().submitted, 0);
+        frames.until(|frames| frames.log.borrow().submitted == 6);
+        let before = frames.studies.jobs();
+        let (solved, _) = solved_and_reused(&frames.studies);
+        assert!(before > 0 && solved + before == 6, "{solved} {before}");
+        frames.edit(|scene| scene.pocket_radius_mm += 2.0);
+        assert_eq!(frames.in_cards(), None);
+        frames.next(true);
+        assert_eq!(frames.studies.jobs(), 0);
+        // Nothing begins before the edited plan rests.
+        frames.next(true);
+        assert_eq!(frames.log.borrow().submitted, 6);
+        frames.until(|frames| frames.in_cards().is_some());
+        assert_eq!(frames.in_cards(), Some(FEW));
+        // A scene each.
+        let (all, reused) = solved_and_reused(&frames.studies);
+        assert_eq!((all - solved, reused), (FEW, 0));
+        assert_eq!(frames.log.borrow().submitted, 6 + FEW);
+        (0..10).for_each(|_| frames.next(true));
+        assert_eq!(frames.log.borrow().submitted, 6 + FEW);
+        // The present plan's cards have no patients of another plan, in the frame of the edit either.
+        frames.edit(|scene| scene.pocket_radius_mm += 2.0);
+        assert_eq!(frames.in_cards(), None);
+    }
+
+    #[test]
+    fn all_patients_contain_the_few_and_take_their_place_at_the_end() {
+        let mut frames = Frames::new();
+        frames.until(|frames| frames.in_cards().is_some());
+        assert_eq!(solved_and_reused(&frames.studies), (FEW, 0));
+        (frames.uncertainty.is_on, frames.uncertainty.choices) = (true, Choices::of_samples(32));
+        frames.until(|frames| frames.uncertainty.progress().0 > 10);
+        assert_eq!(frames.in_cards(), Some(FEW));
+        assert!(frames.uncertainty.findings().is_some());
+        frames.until(|frames| frames.in_cards() != Some(FEW));
+        assert_eq!(frames.in_cards(), Some(32));
+        let (_, reused) = solved_and_reused(&frames.studies);
+        assert_eq!(reused, FEW);
+        // Off, the few are there at once.
+        frames.uncertainty.is_on = false;
+        frames.next(true);
+        assert_eq!((frames.in_cards(), frames.uncertainty.progress()), (Some(FEW), (0, 0)));
+    }
 }

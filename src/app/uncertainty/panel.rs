@@ -33,7 +33,7 @@ impl Uncertainty {
             if self.is_on {
                 remark(ui, tr(ILLUSTRATION));
                 self.state(ui, session);
-                if !self.findings.bands.is_empty() {
+                if !self.all.findings.is_empty() {
                     self.bands(ui, session);
                 }
             }
@@ -48,10 +48,10 @@ impl Uncertainty {
 
     /// Progress, and why there are no bands.
     fn state(&self, ui: &mut Ui, session: &Session) {
-        let findings = &self.findings;
-        if let Some(error) = &self.error {
+        let findings = &self.all.findings;
+        if let Some(error) = &self.all.error {
             rejection_label(ui, error);
-        } else if self.waits_since.is_some() {
+        } else if self.all.is_waiting() {
             let is_coming = session.is_working() || has_answer(session);
             remark(
                 ui,
@@ -61,8 +61,8 @@ impl Uncertainty {
                     tr("This plan has no answer.")
                 },
             );
-        } else if self.driver.is_running() {
-            let (done, all) = self.driver.progress();
+        } else if self.all.driver.is_running() {
+            let (done, all) = self.progress();
             let words = if findings.solved() < findings.samples {
                 tr!(
                     "{done} of {all} sampled patients",
@@ -93,7 +93,7 @@ impl Uncertainty {
         if let Some(words) = without_answer(findings) {
             caution(ui, words);
         }
-        if let Some(failure) = self.driver.failure() {
+        if let Some(failure) = self.all.driver.failure() {
             caution(ui, failure);
         }
     }
@@ -115,16 +115,16 @@ impl Uncertainty {
         };
         ui.checkbox(&mut self.is_in_picture, tr("Envelopes in the picture")).on_hover_text(tr!("Lines of the skin on the cut, or on the outline without a cut. Solid: 9 in 10 sampled patients are \
              below this line. Dashed: 1 in 10.{off_centre}", off_centre));
-        if chart::quantity(ui, &mut self.explained, &self.findings.bands) {
+        if chart::quantity(ui, &mut self.explained, &self.all.findings.bands) {
             self.explain();
         }
-        chart::bars(ui, &self.findings.importance, self.driver.is_running());
-        scenarios(ui, &self.findings, session.result());
+        chart::bars(ui, &self.importance, self.all.driver.is_running());
+        scenarios(ui, &self.all.findings, session.result());
     }
 }
 
 /// The samples without an answer, in words; `None` if all have one.
-pub(super) fn without_answer(findings: &Findings) -> Option<String> {
+pub(in crate::app) fn without_answer(findings: &Findings) -> Option<String> {
     let causes = [
         (PointStatus::NotConverged, tr("not finished")),
         (PointStatus::NoShape, tr("without a stable shape")),

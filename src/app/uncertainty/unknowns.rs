@@ -46,6 +46,12 @@ impl Default for Choices {
 }
 
 impl Choices {
+    /// The usual choices but for the number of samples.
+    #[cfg(test)]
+    pub(super) fn of_samples(samples: usize) -> Self {
+        Self { samples, ..Self::default() }
+    }
+
     /// The settings of the study for a scene.
     pub(super) fn settings(&self, scene: &Scene) -> BandsSettings {
         let entry = |(unknown, choice): (&Unknown, &Choice)| {

@@ -135,6 +135,12 @@ impl VolumeMarks {
         started.is_some_and(|started| started == plan || is_other_volume(started))
     }
 
+    /// Is the largest usual volume of a plan known, or can it not be computed?
+    pub(super) fn is_known(&self, plan: &Scene) -> bool {
+        let is_at_end = self.own.any_curve().is_none() || self.own.largest_ml().is_some();
+        self.started.as_ref() == Some(plan) && is_at_end
+    }
+
     /// Starts the curve of a scene. Another volume leaves the curve as it is.
     fn restart(&mut self, scene: &Scene, studies: &mut Studies) {
         self.started = Some(scene.clone());
