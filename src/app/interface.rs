@@ -62,6 +62,12 @@ impl App {
         self.panels.range.summary().map_or(answer.clone(), |point| format!("{point} {answer}"))
     }
 
+    /// What stands in place of [`Self::summary`] from an edit on, until the words of the edited plan rest.
+    #[must_use]
+    pub fn updating(&self) -> &'static str {
+        answer::updating()
+    }
+
     /// The sampled patients by the words of the cards; empty before they are solved.
     fn shares_in_words(&self) -> String {
         let Shared { session, practices, uncertainty, choices, .. } = &self.shared;

@@ -397,6 +397,7 @@ impl eframe::App for PageApp {
         }
         // After the frame: a scene that crashes the app in its first frame is not kept.
         let scene = app.session().scene();
+        let is_edited = self.scene.as_ref().is_some_and(|before| !before.is_same_plan(scene));
         if self.scene.as_ref() != Some(scene) {
             // For a start after a crash, in the browser's storage: the visit is in the plan's file only.
             call("implantPreviewKeep", &scene.without_visit().to_json());
@@ -418,7 +419,7 @@ impl eframe::App for PageApp {
             set_text(NOTICE, &notice);
             self.notice = notice;
         }
-        self.update_summary(ui, app.summary());
+        self.update_summary(ui, app.summary(), is_edited.then(|| app.updating()));
     }
 
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
@@ -441,8 +442,18 @@ fn set_text(id: &str, text: &str) {
 }
 
 impl PageApp {
-    /// Passes the words of the answer to screen readers, once the words rest: an edit would be read as many changes.
-    fn update_summary(&mut self, ui: &eframe::egui::Ui, summary: String) {
+    /// Passes the words of the answer to screen readers, once the words rest: an edit would be read as many changes. `updating`: the
+    /// words in their place from an edit on, which the words of the plan before do not outlive.
+    fn update_summary(
+        &mut self,
+        ui: &eframe::egui::Ui,
+        summary: String,
+        updating: Option<&'static str>,
+    ) {
+        if let Some(updating) = updating.filter(|words| self.summary != *words) {
+            set_text(SUMMARY, updating);
+            updating.clone_into(&mut self.summary);
+        }
         let now = ui.input(|input| input.time);
         let (next, since) = &mut self.next_summary;
         if *next != summary {

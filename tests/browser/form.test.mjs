@@ -17,6 +17,23 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     await finish();
   });
 
+  test("an edit replaces the result in words at once; the words of the edited plan follow", async () => {
+    const { page, finish } = await fixture.openApp();
+    await harness.summary(page, "Up to date.");
+    await harness.settled(page);
+    await page.evaluate(() => {
+      const summary = document.getElementById("implant-preview-summary");
+      globalThis.heard = [];
+      new MutationObserver(() => heard.push(summary.textContent)).observe(summary, { childList: true });
+    });
+    await harness.type(page, "Width (cm)", "13.2");
+    await harness.summary(page, "13.2 cm wide");
+    const heard = await page.evaluate(() => heard);
+    assert.equal(heard[0], "Updating.");
+    assert.match(heard[1], /^300 ml implant, 13\.2 cm wide\./);
+    await finish();
+  });
+
   test("is filled, sets the plan, refuses in one line and follows the app", async () => {
     const { page, finish } = await fixture.openApp({ viewport: { width: 1000, height: 700 } });
     const form = page.getByRole("form", { name: "Plan" });

@@ -265,6 +265,11 @@ pub(super) fn headline(
     format!("{implant}, {} cm{part}: {words}", texts::localized(width))
 }
 
+/// What stands in place of the answer for screen readers from an edit on.
+pub(super) fn updating() -> &'static str {
+    tr("Updating.")
+}
+
 /// The answer of a device in a few sentences, for screen readers.
 pub(super) fn summary(session: &Session, practices: &Practices, device: Device) -> String {
     if session.is_stopped() {
@@ -273,7 +278,7 @@ pub(super) fn summary(session: &Session, practices: &Practices, device: Device) 
     let Some(outcome) = session.result() else {
         let beyond = no_answer::beyond_sold(session.scene());
         let beyond = beyond.map_or_else(String::new, |words| format!(" {words}"));
-        return format!("{}{beyond}", tr("Updating."));
+        return format!("{}{beyond}", updating());
     };
     let state = match outcome.status {
         Status::Unstable => {
