@@ -326,7 +326,7 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> 
         title: tr("Cover over implant"),
         short: (tr("Cover"), text_of(answer.cover, |v| format!("{} mm", fixed(v, 1)))),
         figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
-        beside: tr!("{brackets}at least; at rest {rest:.1} mm", brackets, rest = answer.rest),
+        beside: tr!("{brackets}at least; {rest:.1} at rest", brackets, rest = answer.rest),
         verdict: word,
         no_verdict: tr("not thin"),
         shares: sampled.shares(Quantity::LeastCoverMm, |mm| {
