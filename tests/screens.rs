@@ -115,7 +115,7 @@ fn wait_until<T>(
 
 /// Draws frames until practice's volumes of the plan are solved.
 fn wait_for_practice(harness: &mut Harness<'static, App>) {
-    wait_until(harness, "practice", |harness| text_with(harness, "Practice's "));
+    wait_until(harness, "practice", |harness| text_with(harness, "practice's "));
 }
 
 /// Draws frames until the studies of a plan at rest are done: none begins for a second.
@@ -308,7 +308,7 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     harness.get_by_label("below practice");
     harness.get_by_label("not thin");
     harness.get_by_label_contains("225 ml, 12 cm: below practice. Stretch 16 %, cover 8.");
-    harness.get_by_label("Practice's 300 ml would be 21 %.");
+    harness.get_by_label_contains("practice's 300 ml: 21 %");
     harness.get_by_label("Practice takes 300 ml");
     harness.get_by_label("standard model, normal accuracy");
     // The hint is gone after the first edit.

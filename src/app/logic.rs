@@ -204,7 +204,7 @@ impl App {
         volume_marks.advance((scene, &sizes.shelf), bands, practices, studies, is_searched);
         shelf_largest.advance(scene, sizes, practices, studies, is_busy);
         let is_known = volume_marks.is_known(scene);
-        uncertainty.advance(session, studies, ctx, is_busy, is_known);
+        uncertainty.advance(session, studies, ctx, practices, is_busy, is_known);
     }
 
     /// Solves a pin for one slice.

@@ -2,8 +2,9 @@
 
 use super::*;
 use implant_preview::clinical::spread::Distribution;
+use implant_preview::measure::bands::PracticeStretch;
 use implant_preview::study::{
-    Band, Bands, BandsSettings, Cases, Quantity, Study, Unknown, UsualRange, evaluate,
+    Band, Bands, BandsSettings, Cases, Practice, Quantity, Study, Unknown, UsualRange, evaluate,
 };
 
 const SWITCH: &str = "Show what is not known";
@@ -130,6 +131,37 @@ fn the_verdict_is_that_of_the_plan_with_and_without_bands() {
 }
 
 /// A plan that nobody touches: its cards have the words and the bands of a few patients, and are as high as without.
+#[test]
+fn the_word_of_a_sampled_patient_is_that_against_practice_in_its_own_tissue() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let shares =
+        wait_until(&mut harness, "the shares", |harness| text_with(harness, "practice in "));
+    let scene = harness.state().session().scene().clone();
+    let practice = Practice::new(&scene, &PracticeTable::default()).unwrap();
+    let [less, _, more] = practice.scenes().clone();
+    let strains = |scene: &Scene| -> Vec<f64> {
+        let settings = BandsSettings { samples: 16, importance_rows: 0, ..settings() };
+        study_of(scene, settings).values().of(Quantity::GreatestStrain).collect()
+    };
+    let [own, less, more] = [&scene, &less, &more].map(strains);
+    assert_eq!([own.len(), less.len(), more.len()], [16; 3]);
+    let words = own
+        .iter()
+        .zip(less)
+        .zip(more)
+        .map(|((own, less), more)| PracticeStretch { less, same: less, more }.verdict(*own).1);
+    let words: Vec<&str> = words.collect();
+    for word in ["below practice", "as practice", "above practice"] {
+        let count = words.iter().filter(|other| **other == word).count();
+        let stated = shares.to_lowercase().split(", ").find_map(|part| {
+            let rest = part.strip_prefix(word)?;
+            rest.trim_start_matches(" in ").trim().split(' ').next()?.parse::<usize>().ok()
+        });
+        let tenths = 10.0 * count as f64 / 16.0;
+        assert!((stated.unwrap_or(0) as f64 - tenths).abs() < 1.0, "{shares}: {count} {word}");
+    }
+}
+
 #[test]
 fn a_plan_at_rest_has_the_shares_and_bands_of_a_few_patients() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());

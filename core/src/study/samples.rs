@@ -55,6 +55,21 @@ impl Samples {
         let pairs = self.values.get(&quantity)?.iter().zip(other.values.get(&quantity)?);
         band(pairs.filter_map(|(a, b)| Some((*a)? - (*b)?)).collect())
     }
+
+    /// The values of a quantity of each sampled patient in this scene and in two others, those of patients with an answer in all three.
+    /// Sample k of all scenes is one patient, as in [`Self::difference`]. `None` if the samples are not those of the same unknowns and
+    /// seed.
+    #[must_use]
+    pub fn beside(&self, others: [&Self; 2], quantity: Quantity) -> Option<Vec<[f64; 3]>> {
+        let is_same = |other: &Self| (self.seed, &self.unknowns) == (other.seed, &other.unknowns);
+        if !others.into_iter().all(is_same) {
+            return None;
+        }
+        let of = |samples: &'_ Self| samples.values.get(&quantity).cloned();
+        let ([a, b], own) = ([of(others[0])?, of(others[1])?], self.values.get(&quantity)?);
+        let all = own.iter().zip(a).zip(b).map(|((own, a), b)| Some([(*own)?, a?, b?]));
+        Some(all.flatten().collect())
+    }
 }
 
 fn band(values: Vec<f64>) -> Option<[f64; 3]> {
@@ -92,5 +107,15 @@ mod tests {
         assert!((low - 0.9).abs() < 1e-9 && (high - 10.1).abs() < 1e-9, "{low} {high}");
         let few = samples(vec![Some(1.0); 9]);
         assert_eq!(few.band(Quantity::ForceN), None);
+    }
+    #[test]
+    fn values_beside_those_of_other_scenes_are_of_the_same_patient() {
+        let own = samples(vec![Some(1.0), Some(2.0), None, Some(4.0)]);
+        let other = samples(vec![Some(10.0), None, Some(30.0), Some(40.0)]);
+        let force = Quantity::ForceN;
+        let expected = vec![[1.0, 10.0, 1.0], [4.0, 40.0, 4.0]];
+        assert_eq!(own.beside([&other, &own], force), Some(expected));
+        let foreign = Samples { seed: 2, ..other.clone() };
+        assert_eq!(own.beside([&other, &foreign], force), None);
     }
 }

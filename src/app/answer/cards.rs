@@ -238,6 +238,13 @@ impl<'a> Sampled<'a> {
         shares(words, findings.solved() - findings.answers())
     }
 
+    /// The numbers of patients by the word against practice, that of practice's volumes in the tissue of each patient.
+    fn shares_of_practice(&self) -> Option<String> {
+        let (of, practice) = (self.0?.few(), self.0?.practice());
+        let words = practice.iter().map(|(strain, practice)| in_words(practice.verdict(*strain)));
+        shares(words, of.saturating_sub(practice.len())).filter(|_| !practice.is_empty())
+    }
+
     /// The 10th and the 90th percentile.
     fn range(&self, quantity: Quantity) -> Option<[f64; 2]> {
         self.band(quantity).map(|band| [band.p10, band.p90])
@@ -273,19 +280,23 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
     let (limits, factor) = answer.skin.limits();
     let is_reserve = matches!(answer.skin, SkinLimits::Reserve(_));
-    let words = match answer.reserve.filter(|_| is_reserve) {
-        Some(share) => tr!("longer: {share:.0} % of its reserve", share = 100.0 * share),
-        None => tr("longer, at most").to_owned(),
+    let of_practice = answer.practice().map(|(practice, ml)| (100.0 * practice.same, ml));
+    let words = match (answer.against, answer.reserve, of_practice) {
+        (_, _, Some((percent, ml))) => {
+            tr!("practice's {ml:.0} ml: {percent:.0} %", ml, percent)
+        }
+        (Against::Skin(_), Some(share), _) => {
+            tr!("longer: {share:.0} % of its reserve", share = 100.0 * share)
+        }
+        _ => tr("longer, at most").to_owned(),
     };
-    let practice = answer.practice().map(|(practice, ml)| {
-        let percent = 100.0 * practice.same;
-        let line = tr!("Practice's {ml:.0} ml would be {percent:.0} %.", ml, percent);
-        (line, (practice.same, tr!("practice {percent:.0} %", percent)))
+    let line = match of_practice {
+        Some(_) => tr("Longer than at rest, where the skin is stretched most.").to_owned(),
+        None => line,
+    };
+    let mark = answer.practice().map(|(practice, _)| {
+        (practice.same, tr!("practice {percent:.0} %", percent = 100.0 * practice.same))
     });
-    let (line, mark) = match practice {
-        Some((words, mark)) => (words, Some(mark)),
-        None => (line, None),
-    };
     let range = sampled.range(Quantity::GreatestStrain);
     let verdict = |value| in_words(limits.verdict(value));
     Card {
@@ -298,7 +309,8 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         shares: match (answer.against, is_reserve) {
             (Against::Skin(_), true) => sampled.shares(Quantity::SkinReserveUsed, verdict),
             (Against::Skin(_), false) => sampled.shares(Quantity::GreatestStrain, verdict),
-            (Against::Practice(_) | Against::Waiting, _) => None,
+            (Against::Practice(_), _) => sampled.shares_of_practice(),
+            (Against::Waiting, _) => None,
         },
         line,
         value: answer.strain.map(|strain| factor * strain),
@@ -438,7 +450,7 @@ mod tests {
         let mut answer = Answer::new(None, session.scene(), session.problem(), &practices);
         answer.strain = Some(0.16);
         let [card, ..] = cards(&answer, None);
-        assert_eq!(card.line, "Practice's 300 ml would be 21 %.");
+        assert_eq!(card.beside, "practice's 300 ml: 21 %");
         assert_eq!((card.verdict, card.value), (Some((0, "below practice")), Some(0.16)));
         let BarScale::Bands { limits, mark, .. } = card.scale else { panic!("no limits") };
         assert_eq!(mark, Some((0.21, "practice 21 %".to_owned())));

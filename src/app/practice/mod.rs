@@ -129,11 +129,16 @@ impl Practices {
         self.table.volume(width, &measured.unwrap_or_default())
     }
 
-    /// The plan of practice's greatest volume in the tissue of a plan that is compared with practice.
-    pub(super) fn greatest(&self, plan: &Scene) -> Option<Scene> {
+    /// The plans of practice's least and greatest volume in the tissue of a plan that is compared with practice.
+    pub(super) fn least_and_greatest(&self, plan: &Scene) -> Option<[Scene; 2]> {
         let practice = self.against(plan).practice().and(Practice::new(plan, &self.table).ok())?;
-        let [.., more] = practice.scenes();
-        Some(more.clone())
+        let [less, _, more] = practice.scenes();
+        Some([less.clone(), more.clone()])
+    }
+
+    /// The second one of [`Self::least_and_greatest`].
+    pub(super) fn greatest(&self, plan: &Scene) -> Option<Scene> {
+        self.least_and_greatest(plan).map(|[_, greatest]| greatest)
     }
 
     /// Solves practice's volumes for the `wanted` plans, the first unknown one first, once a frame. `is_busy`: a plan is being edited

@@ -2,6 +2,7 @@
 
 use super::{Against, Practices};
 use crate::app::action::Action;
+use crate::app::device::Device;
 use crate::app::texts::tr;
 use crate::app::widgets::quantity::format_at_most;
 use crate::clinical::{Bound, Corrected, Correction, PracticeTable, STEP_ML};
@@ -103,6 +104,9 @@ impl Practices {
 
     /// The buttons of the table: open, save, back to the built-in one.
     pub(in crate::app) fn table_buttons(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        if self.device == Device::Expander {
+            return;
+        }
         ui.horizontal_wrapped(|ui| {
             if ui.button(tr("Open practice table…")).on_hover_text(tr("A table (CSV) of your own rule; dropping the file does the same. Save the present one for its form")).clicked() {
                 actions.push(Action::OpenTable);

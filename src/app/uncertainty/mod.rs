@@ -1,18 +1,20 @@
 //! Uncertainty: bands of the plan's results over what is not known about a person.
 //!
 //! This file runs the studies: of a few patients after each edit, once the plan and its largest usual volume are known; while the section
-//! is on, then of all patients, and one for each pin. `sampling` (a study of the plan and its findings) | `panel` (the section of the
+//! is on, then of all patients, and one for each pin. `sampling` (a study of the plan and its findings) | `practice` (practice's volumes in the tissue of the sampled patients) | `panel` (the section of the
 //! answer) | `unknowns` (what varies, and how much) | `chart` (which unknown matters most) | `pins` (the samples of the pins).
 
 mod chart;
 mod panel;
 mod pins;
+mod practice;
 mod sampling;
 mod unknowns;
 
 pub(super) use panel::{figure, without_answer};
 pub(super) use sampling::Findings;
 
+use super::practice::Practices;
 use super::studies::Studies;
 use crate::app::texts::tr;
 use crate::measure::Status;
@@ -21,11 +23,9 @@ use crate::session::Session;
 use crate::study::{Bands, BandsSettings, Index, Quantity, Samples, SectionBand, Unknown};
 use eframe::egui;
 use pins::PinSamples;
-use sampling::Sampling;
+use practice::PracticeSamples;
+use sampling::{FEW, Sampling};
 use unknowns::Choices;
-
-/// Number of the few patients, which are the first of all patients.
-const FEW: usize = 16;
 
 /// The study of what is not known, and its choices.
 pub(super) struct Uncertainty {
@@ -39,6 +39,8 @@ pub(super) struct Uncertainty {
     importance: Vec<(Unknown, Index)>,
     /// A few patients, at any time.
     few: Sampling,
+    /// Practice's volumes in the tissue of these.
+    practice: PracticeSamples,
     /// All patients, while the section is on.
     all: Sampling,
     pins: PinSamples,
@@ -53,6 +55,7 @@ impl Default for Uncertainty {
             explained: Quantity::GreatestStrain,
             importance: Vec::new(),
             few: Sampling::new(Bands::samples_only),
+            practice: PracticeSamples::default(),
             all: Sampling::new(Bands::new),
             pins: PinSamples::default(),
         }
@@ -67,6 +70,7 @@ impl Uncertainty {
         session: &Session,
         studies: &mut Studies,
         ctx: &egui::Context,
+        practices: &Practices,
         is_busy: bool,
         is_known: bool,
     ) {
@@ -74,7 +78,10 @@ impl Uncertainty {
         let is_solved = !is_busy && has_answer(session);
         let few = BandsSettings { samples: FEW, importance_rows: 0, ..settings.clone() };
         let may_start = is_solved && (self.is_on || is_known);
-        self.few.advance((scene, few), studies, ctx, may_start);
+        self.few.advance((scene, few.clone()), studies, ctx, may_start);
+        let may_start = is_solved && self.few.is_at_end();
+        self.practice.advance((scene, few), practices, studies, ctx, may_start);
+        self.practice.read([&mut self.few.findings, &mut self.all.findings]);
         if !self.is_on {
             self.all.stop(studies);
             self.pins.cancel(studies);
@@ -240,7 +247,7 @@ mod tests {
             self.ctx.begin_pass(egui::RawInput { time: Some(self.time), ..Default::default() });
             self.studies.poll(&self.ctx, false);
             let Self { session, studies, ctx, .. } = self;
-            self.uncertainty.advance(session, studies, ctx, false, is_known);
+            self.uncertainty.advance(session, studies, ctx, &Practices::default(), false, is_known);
             self.ctx.end_pass().textures_delta.clear();
         }
 

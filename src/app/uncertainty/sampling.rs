@@ -1,6 +1,7 @@
 //! The sampled patients of the present plan: their study, which starts once the plan rests and ends with the plan, and what it has found.
 
 use crate::app::studies::{Driver, Studies};
+use crate::measure::bands::PracticeStretch;
 use crate::scene::Scene;
 use crate::study::{
     Band, Bands, BandsError, BandsSettings, LEAST_ANSWERS, PointStatus, Quantity, Samples,
@@ -10,6 +11,8 @@ use eframe::egui;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+/// Number of the few patients, which are the first of all patients.
+pub(super) const FEW: usize = 16;
 /// Time after an edit before the study starts \[s\].
 const QUIET: f64 = 0.3;
 
@@ -38,6 +41,8 @@ pub(in crate::app) struct Findings {
     pub(super) bands: Vec<Band>,
     pub(super) values: Samples,
     pub(super) section: Vec<SectionBand>,
+    /// Strains \[-\] of a few patients, and those of practice's volumes in the tissue of each.
+    pub(super) practice: Vec<(f64, PracticeStretch)>,
 }
 
 impl Findings {
@@ -54,6 +59,16 @@ impl Findings {
     /// The band of the skin's section.
     pub(in crate::app) fn section(&self) -> &[SectionBand] {
         &self.section
+    }
+
+    /// Strains \[-\] of a few patients with answers, and those of practice's volumes in the tissue of each; empty while they are not known.
+    pub(in crate::app) fn practice(&self) -> &[(f64, PracticeStretch)] {
+        &self.practice
+    }
+
+    /// Number of the few patients.
+    pub(in crate::app) fn few(&self) -> usize {
+        FEW
     }
 
     /// Number of samples with an answer.
