@@ -3,7 +3,7 @@
 use super::action::{Action, Purpose, Task};
 use super::commands::{QUANTITIES, why_not};
 use super::messages::Notice;
-use super::shared::Shared;
+use super::shared::{LONG, Shared};
 use super::texts::{Language, language, set_language, tr};
 use super::ui::Windows;
 use super::{App, files, link, numbers, plan, report};
@@ -181,6 +181,11 @@ impl App {
     /// Saves or copies a picture or the report. Needs the graphics of a frame.
     fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) -> Result<(), String> {
         let Self { shared, panels, .. } = self;
+        // The words on paper are those against practice, unless its volumes take long.
+        let Shared { session, practices, timing, .. } = shared;
+        if timing.solve_ms < LONG.as_secs_f64() * 1000.0 && !session.is_working() {
+            practices.know(session.scene());
+        }
         let (extension, content) = match purpose {
             Purpose::File => ("png", report::png_of(&report::figure(shared)?)?),
             Purpose::Report => {

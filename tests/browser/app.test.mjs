@@ -36,7 +36,7 @@ function assertSameAsNative({ text, scene, result }) {
 }
 
 describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
-  test("opens on a usual plan, solved as natively, in one download, and then rests", async () => {
+  test("opens on a plan below practice, solved as natively, in one download, and then rests", async () => {
     const { page, finish } = await openApp({ isOpening: true, isSmooth: true });
     const { opening, downloads } = await page.evaluate(() => ({
       opening: JSON.parse(implantPreviewApi.opening_scene()),
@@ -49,8 +49,8 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.equal(downloads.length, 1);
     assertSameAsNative(opened);
     // The words follow once they rest.
-    const words = await harness.summary(page, "Up to date.");
-    assert.match(words, /^225 ml implant, 12 cm wide\. Skin stretch 1\d percent, usual\. Cover 8\.\d mm, at rest 10\.0 mm\. Pressure \d+/);
+    const words = await harness.summary(page, ", below practice.");
+    assert.match(words, /^225 ml implant, 12 cm wide\. Skin stretch 1\d percent, below practice\. Cover 8\.\d mm, at rest 10\.0 mm\. Pressure \d+/);
     const frames = await settled(page);
     const before = await stats(page);
     await page.waitForTimeout(2000);

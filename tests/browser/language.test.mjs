@@ -14,8 +14,8 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
     const field = page.locator("#implant-preview-canvas + input");
     assert.equal(await field.getAttribute("aria-label"), "Lo que se escribe en la vista previa");
     assert.match(
-      await harness.summary(page, "12 cm de anchura"),
-      /^Plan: implante de 300 ml, 12 cm de anchura\. Estiramiento de la piel \d+ por ciento, habitual\. .* Al día\./,
+      await harness.summary(page, ", como la práctica."),
+      /^Plan: implante de 300 ml, 12 cm de anchura\. Estiramiento de la piel \d+ por ciento, como la práctica\. .* Al día\./,
     );
     const form = page.getByRole("form", { name: "Plan" });
     assert.deepEqual(await form.locator("label").allTextContents(), [
@@ -23,6 +23,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Anchura (cm)",
       "Volumen (ml)",
       "Proyección (cm)",
+      "Plenitud",
       "Pellizco (cm)",
       "Tipo de piel",
       "Tórax",

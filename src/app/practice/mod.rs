@@ -12,7 +12,7 @@ use super::texts::tr;
 use crate::clinical::{PracticeTable, PracticeVolume};
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
 use crate::scene::Scene;
-use crate::study::{NoPractice, Practice, has_same_practice};
+use crate::study::{Cases, NoPractice, Practice, Study, evaluate, has_same_practice};
 
 /// Greatest number of plans whose practice is kept.
 const MOST: usize = 128;
@@ -193,6 +193,21 @@ impl Practices {
             // Further plans, and what shows this one.
             studies.request_frame();
         }
+    }
+
+    /// Solves practice's volumes for a plan at once, if they are not known: a report does not wait for frames.
+    pub(super) fn know(&mut self, plan: &Scene) {
+        if self.against(plan) != Against::Waiting {
+            return;
+        }
+        let found = Practice::new(plan, &self.table).and_then(|mut practice| {
+            let mut store = Cases::default();
+            while let Some((index, job)) = practice.next_job(&mut store) {
+                practice.receive(index, evaluate(&job), &mut store);
+            }
+            practice.stretch().map_err(|reason| reason.unwrap_or(NoPractice::Volume))
+        });
+        self.note(plan.clone(), found);
     }
 
     fn note(&mut self, plan: Scene, found: Result<PracticeStretch, NoPractice>) {
