@@ -124,9 +124,10 @@ export function startBrowser({ webgl = true } = {}) {
 
 /**
  * A page that records what it must not do. Only tests of the service worker allow it: requests pass by routes there.
- * `isSmooth`: drawn as the product draws; `isPlain`: with tissue in flat colours, where the picture is not the point.
+ * `prepare`: what is done with it before it opens; `isSmooth`: drawn as the product draws; `isPlain`: with tissue in flat colours, where
+ * the picture is not the point.
  */
-export async function openPage(browser, address, { viewport, init, options, isSmooth = false, isPlain = false } = {}) {
+export async function openPage(browser, address, { viewport, init, prepare, options, isSmooth = false, isPlain = false } = {}) {
   const context = await browser.newContext({
     viewport: viewport ?? { width: 1280, height: 800 },
     serviceWorkers: "block",
@@ -150,8 +151,13 @@ export async function openPage(browser, address, { viewport, init, options, isSm
   });
   if (!isSmooth) await page.addInitScript(drawCheaply, isPlain);
   if (init) await page.addInitScript(init);
+  await prepare?.(page);
   await page.goto(address);
-  const close = () => context.close();
+  const close = async () => {
+    // A worker may just be starting.
+    await context.unrouteAll({ behavior: "ignoreErrors" });
+    await context.close();
+  };
   const finish = async () => {
     assert.deepEqual(problems, []);
     await close();

@@ -11,7 +11,7 @@ const TRAP = [
   0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 3, 2, 1, 0, 7, 5, 1, 1, 102, 0, 0, 10, 5, 1, 3, 0, 0, 11,
 ];
 
-/** Lets the workers trap in each scene with this insertion. */
+/** Lets the workers trap in each scene with this insertion, those of the app's own studies included. */
 const POISON = 0.765625;
 const trapAtPoison = (page) =>
   page.context().route("**/job_worker.js", async (route) => {
@@ -45,8 +45,8 @@ function greatestDifference(a, b) {
 }
 
 /** The app, at rest; `study` there has a coarse scene and helpers. */
-async function open() {
-  const opened = await fixture.openApp();
+async function open(options) {
+  const opened = await fixture.openApp(options);
   const names = await opened.page.evaluate(() => performance.getEntriesByType("resource").map((r) => r.name));
   assert.equal(names.filter((name) => name.endsWith("_bg.wasm")).length, 1);
   await opened.page.evaluate(() => {
@@ -69,8 +69,7 @@ async function open() {
 
 describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
   test("many scenes: results as they come, one line for each scene without a result", async () => {
-    const { page, finish } = await open();
-    await trapAtPoison(page);
+    const { page, finish } = await open({ prepare: trapAtPoison });
     const found = await page.evaluate(async (poison) => {
       const { scene, message, thrown } = study;
       const { simulate, simulateMany } = implantPreviewApi;
@@ -159,8 +158,7 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
   });
 
   test("a map has each point once, and names the point that stops its workers", async () => {
-    const { page, finish } = await open();
-    await trapAtPoison(page);
+    const { page, finish } = await open({ prepare: trapAtPoison });
     const found = await page.evaluate(async (poison) => {
       const { scene, thrown } = study;
       const { map, simulate } = implantPreviewApi;
