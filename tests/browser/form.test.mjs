@@ -44,6 +44,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "Width (cm)",
       "Volume (ml)",
       "Projection (cm)",
+      "Fullness",
       "Pinch (cm)",
       "Skin feels",
       "Chest",
