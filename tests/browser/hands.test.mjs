@@ -101,7 +101,7 @@ describe("hands on the picture", { timeout: 8 * harness.PATIENCE }, () => {
   });
 
   test("Ctrl+K finds a command by its name", async () => {
-    const { page, finish } = await fixture.openApp();
+    const { page, finish } = await fixture.openApp({ isResearch: true });
     await harness.focusPicture(page);
     await page.keyboard.press("Control+k");
     await harness.settled(page);
