@@ -40,7 +40,9 @@ impl VolumeBand {
             let least = with_values(scene, &[(Parameter::Volume, axis.from)]).ok();
             let most = axis.to.min(highest_sold_ml(&scene.implant));
             let practice = practice(scene);
-            let ends = (axis.from, most);
+            // Whole steps: the volume of the headline is one of them.
+            let steps = ((most - axis.from) / USUAL_STEP_ML + 1e-9).floor();
+            let ends = (axis.from, axis.from + USUAL_STEP_ML * steps);
             let search = |least| UsualRange::new(&least, &settings, ends, practice.as_ref()).ok();
             if let Some(search) = least.and_then(search) {
                 self.search.start(search, studies);

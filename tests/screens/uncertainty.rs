@@ -449,8 +449,8 @@ fn the_largest_usual_volume_has_the_range_of_sampled_patients() {
     type_into(&mut harness, "Margin (cm)", "1.2");
     let words = wait_until(&mut harness, "the range", |harness| text_with(harness, RANGE));
     let scene = harness.state().session().scene().clone();
-    // From the least mark of the slider to the highest profile sold: projections of 0.15 and 1.07 of half the width.
-    let ends = (70.0, 2.0 / 3.0 * std::f64::consts::PI * 60.0 * 60.0 * (1.07 * 60.0) / 1000.0);
+    // From the least mark of the slider to the highest profile sold, projections of 0.15 and 1.07 of half the width, in whole steps.
+    let ends = (70.0, 480.0);
     let mut search = UsualRange::new(&scene, &settings(), ends, None).unwrap();
     let mut store = Cases::default();
     while let Some((index, job)) = search.next_job(&mut store) {

@@ -12,6 +12,7 @@ use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::{Band, Quantity};
 use crate::view::color;
+use std::borrow::Cow;
 
 /// Strain above which the share of the skin is shown \[-\], and its key in the result.
 const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
@@ -182,6 +183,14 @@ pub(super) enum BarScale {
     Part { whole: f64 },
 }
 
+/// The stretch of a skin without limits.
+const WITHOUT: Limits = Limits {
+    quantity: "",
+    unit: "",
+    bands: Cow::Borrowed(&[bands::Band { limit: None, word: "", level: 0, source: "" }]),
+    note: "",
+};
+
 /// The marks of a cover up to a thickness \[mm\] with their words: thin, and practice's least thickness at rest.
 pub(super) fn cover_marks(whole: f64) -> impl Iterator<Item = (f64, String)> {
     let marks = [bands::THIN_COVER_MM, bands::PRACTICE_COVER_MM];
@@ -278,8 +287,11 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         ),
     });
     let brackets = sampled.brackets(Quantity::GreatestStrain, false);
-    let (limits, factor) = answer.skin.limits();
-    let is_reserve = matches!(answer.skin, SkinLimits::Reserve(_));
+    // Before practice is known the bar has its length, and no limits.
+    let is_waiting = answer.against == Against::Waiting;
+    let (limits, factor) = if is_waiting { (WITHOUT, 1.0) } else { answer.skin.limits() };
+    let is_reserve = !is_waiting && matches!(answer.skin, SkinLimits::Reserve(_));
+    let most = if is_waiting { color::MOST_OF_PRACTICE } else { color::most(answer.skin) };
     let of_practice = answer.practice().map(|(practice, ml)| (100.0 * practice.same, ml));
     let words = match (answer.against, answer.reserve, of_practice) {
         (_, _, Some((percent, ml))) => {
@@ -305,7 +317,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         figure,
         beside: format!("{brackets}{words}"),
         verdict: word,
-        no_verdict: if answer.against == Against::Waiting { "…" } else { "" },
+        no_verdict: if is_waiting { "…" } else { "" },
         shares: match (answer.against, is_reserve) {
             (Against::Skin(_), true) => sampled.shares(Quantity::SkinReserveUsed, verdict),
             (Against::Skin(_), false) => sampled.shares(Quantity::GreatestStrain, verdict),
@@ -316,12 +328,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         value: answer.strain.map(|strain| factor * strain),
         range: if is_reserve { sampled.range(Quantity::SkinReserveUsed) } else { range },
         median: sampled.median(Quantity::GreatestStrain),
-        scale: BarScale::Bands {
-            limits: limits.clone(),
-            most: color::most(answer.skin),
-            in_percent: true,
-            mark,
-        },
+        scale: BarScale::Bands { limits: limits.clone(), most, in_percent: true, mark },
     }
 }
 
@@ -384,6 +391,7 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
 mod tests {
     use super::*;
     use crate::session::Session;
+    use crate::study::NoPractice;
 
     #[test]
     fn the_sentence_begins_with_the_worst_word() {
@@ -458,12 +466,19 @@ mod tests {
     }
 
     #[test]
-    fn the_bar_of_the_stretch_has_the_same_limits_before_the_result() {
+    fn the_bar_of_the_stretch_has_the_same_limits_before_the_result_and_none_before_practice() {
         let session = Session::new(Scene::opening()).unwrap();
-        let practices = Practices::default();
-        let answer = Answer::new(None, session.scene(), session.problem(), &practices);
-        let [card, ..] = cards(&answer, None);
-        let BarScale::Bands { limits, .. } = card.scale else { panic!("no limits") };
-        assert_eq!((limits.quantity, card.value), (bands::RESERVE.quantity, None));
+        let limits = |practices: &Practices| {
+            let answer = Answer::new(None, session.scene(), session.problem(), practices);
+            let [card, ..] = cards(&answer, None);
+            let BarScale::Bands { limits, most, .. } = card.scale else { panic!("no limits") };
+            (limits.bands.len(), most)
+        };
+        let waiting = limits(&Practices::default());
+        let practice = PracticeStretch { less: 0.19, same: 0.21, more: 0.23 };
+        let known = limits(&Practices::of_known(Scene::opening(), Ok(practice)));
+        assert_eq!((waiting, known), ((1, color::MOST_OF_PRACTICE), (5, color::MOST_OF_PRACTICE)));
+        let none = Practices::of_known(Scene::opening(), Err(NoPractice::Volume));
+        assert_eq!(limits(&none), (3, color::MOST_RESERVE));
     }
 }
