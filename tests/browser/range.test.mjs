@@ -29,8 +29,6 @@ const filled = (page) =>
     return range_all > 0 && range_done === range_all;
   }, null, { timeout: 4 * harness.PATIENCE });
 
-const summary = (page) => page.locator("#implant-preview-summary").textContent();
-
 /** The place of a column and row of the first chart on the page: 17 widths, 17 projections. */
 const at = ({ x, y, width, height }, i, j) => [x + (width * i) / 16, y + height * (1 - j / 16)];
 
