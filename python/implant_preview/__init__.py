@@ -280,7 +280,8 @@ def map(  # noqa: A001 - the name of the command
     contour lines. Returns the map as its file has it (docs/formats.md, ``map/1``), and in ``values`` the quantities as arrays of
     shape (y, x), with one axis (x,), NaN where a scene has no shape.
     """
-    options = {"x": x, "y": y, "show": show} | ({} if grid is None else {"grid": grid})
+    given = {"x": x, "y": y, "grid": grid, "show": show}
+    options = {name: value for name, value in given.items() if value is not None}
     found = _object(_native.map(_text(scene), _text(options), _threads(threads)))
     rows = [axis["count"] for axis in reversed(found["axes"])]
     points = _columns([point["values"] for point in found["points"]])
