@@ -319,7 +319,7 @@ def curve(
         with open(path_or_table, "rb") as file:
             content = file.read()
     else:
-        table = np.ma.filled(np.ma.asarray(path_or_table, dtype=float), np.nan)
+        table: npt.NDArray[np.float64] = np.ma.filled(np.ma.asarray(path_or_table, dtype=float), np.nan)
         if table.ndim != 2 or table.shape[1] != 2:
             raise SceneError(f"the table has the shape {table.shape}; allowed: (samples, 2)")
         gaps = np.flatnonzero(~np.isfinite(table).all(axis=1))

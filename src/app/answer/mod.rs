@@ -184,11 +184,13 @@ fn text_of(limits: &Limits) -> String {
     sources.chain([limits.note]).map(tr).collect::<Vec<_>>().join("\n")
 }
 
-/// The limits of a session's plan on a device with their sources, as headings with texts: those of the cards only.
+/// The limits of a session's plan on a device with their sources, as headings with texts: those of the cards only. `rule`: practice's
+/// rule in words.
 pub(super) fn limits_in_words(
     session: &Session,
     practices: &Practices,
     device: Device,
+    rule: fn(&Practices, &Scene) -> String,
 ) -> [(&'static str, String); 3] {
     let scene = session.scene();
     let skin = practices.skin(scene, session.problem().skin_knee());
@@ -200,7 +202,7 @@ pub(super) fn limits_in_words(
         ),
         SkinLimits::Practice(_) | SkinLimits::Tearing => String::new(),
     };
-    let rule = practice::rule(practices, scene);
+    let rule = rule(practices, scene);
     let stretch = format!("{rule}{of_skin}{}", text_of(&skin.limits().0));
     let texts = [
         (tr("Skin stretch"), stretch),
@@ -221,7 +223,7 @@ pub(super) fn sources(
         ui,
         |ui| {
             let device = Device::of(ui.ctx());
-            for (heading, text) in limits_in_words(session, practices, device) {
+            for (heading, text) in limits_in_words(session, practices, device, practice::rule) {
                 ui.label(RichText::new(device.words(heading)).small().strong());
                 ui.label(RichText::new(text).small());
             }
@@ -340,7 +342,7 @@ mod tests {
         let mut scene = Scene::opening();
         let words = |scene: &Scene| {
             let session = Session::new(scene.clone()).unwrap();
-            limits_in_words(&session, &Practices::default(), Device::Implant)
+            limits_in_words(&session, &Practices::default(), Device::Implant, practice::rule)
         };
         let [(heading, stretch), (_, cover), (_, pressure)] = words(&scene);
         let knee = 100.0 * scene.skin_knee().unwrap();

@@ -4,7 +4,7 @@
 
 mod panel;
 
-pub(super) use panel::rule;
+pub(super) use panel::{rule, rule_in_short};
 
 use super::device::Device;
 use super::studies::{Driver, Studies};

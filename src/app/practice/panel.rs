@@ -11,8 +11,17 @@ use crate::scene::Scene;
 use crate::study::NoPractice;
 use eframe::egui::Ui;
 
-/// The rule as it applies to a plan, with every number of the table and their source, or why it does not apply; one line each. Empty
-/// for an expander.
+/// The rule as it applies to a plan, or why it does not apply, and the source of its numbers; a line each. Empty for an expander.
+pub(in crate::app) fn rule_in_short(practices: &Practices, plan: &Scene) -> String {
+    let first = match practices.against(plan) {
+        Against::Skin(None) => return String::new(),
+        Against::Skin(Some(reason)) => Some(why_not(reason)),
+        Against::Practice(_) | Against::Waiting => volume(practices, plan, None),
+    };
+    first.map_or_else(String::new, |line| format!("{line} {}\n", source(practices)))
+}
+
+/// As [`rule_in_short`], with the strains of practice's volumes and every number of the table.
 pub(in crate::app) fn rule(practices: &Practices, plan: &Scene) -> String {
     let mut lines = Vec::new();
     match practices.against(plan) {
@@ -30,8 +39,12 @@ pub(in crate::app) fn rule(practices: &Practices, plan: &Scene) -> String {
         starts = starts.join(", "),
         corrections = corrections.join(", ")
     ));
-    lines.push(tr!("Source of the table: {source}.", source = tr(table.source())));
+    lines.push(source(practices));
     lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
+fn source(practices: &Practices) -> String {
+    tr!("Source of the table: {source}.", source = tr(practices.table().source()))
 }
 
 /// The volume that practice takes for a plan with its parts, and the strains of its limits.

@@ -13,7 +13,7 @@ use super::answer::{self, PreviousResults};
 use super::compare;
 use super::device::Device;
 use super::filling::Filling;
-use super::practice::Practices;
+use super::practice::{Practices, rule_in_short};
 use super::range::Range;
 use super::shared::Shared;
 use super::theme::SPACE;
@@ -188,7 +188,7 @@ pub(super) fn report(
         table: compare::rows(session, &sampled, practices),
         bands: uncertainty.about_bands(session.scene()),
         steps: filling.steps(session.scene()),
-        limits: answer::limits_in_words(session, practices, device).to_vec(),
+        limits: answer::limits_in_words(session, practices, device, rule_in_short).to_vec(),
         plan_json: session.document_json(),
     };
     Ok(page.html())
