@@ -1773,6 +1773,8 @@ fn the_legend_of_pictures_side_by_side_is_above_all_of_them() {
         if size != DESKTOP {
             press(&mut harness, "More");
         }
+        // The limits of the legend are those of practice.
+        wait_for_practice(&mut harness);
         unfold(&mut harness, "Pin as A");
         unfold(&mut harness, "Side by side");
         let places = |words: &str| -> Vec<egui::Rect> {
