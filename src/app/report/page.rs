@@ -70,7 +70,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     .plan{columns:2 300px;column-gap:28px}.plan p{margin:0;padding:2px 0;border-bottom:1px solid #e4e4e4;display:flex;gap:12px;break-inside:avoid}.plan b{font-weight:400;color:#666;flex:0 0 7em}\
     .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.blank{margin:6px 0;display:flex;flex-wrap:wrap;gap:4px 10px}.blank span{flex:1 1 90px;border-bottom:1px solid #222}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
     .notes{columns:2 300px;column-gap:20px}.notes p{margin-top:0;break-inside:avoid}\
-    @media print{body{font-size:11px;margin:0;max-width:none;padding:0}h1{font-size:18px}\
+    @media print{body{font-size:11px;line-height:1.35;margin:0;max-width:none;padding:0}h1{font-size:18px}\
     h2{font-size:14px;margin:7px 0 1px}p{margin:3px 0}.quiet,figcaption{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
     .second{break-inside:avoid}.second img{max-height:72mm}.poses{margin:5px 0}.plan p{padding:1px 0}.wide{overflow:visible}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
 
