@@ -54,10 +54,8 @@ impl ShelfLargest {
         let mut fitting: Vec<&ShelfSize> = sizes.shelf.sizes().iter().collect();
         fitting.retain(|size| size.width_mm() <= width);
         fitting.sort_by(|a, b| b.volume_ml().total_cmp(&a.volume_ml()));
-        let grid = MapSettings::default();
         let mut base = Scene { insertion: 1.0, ..scene.clone() };
-        base.solver.nodes_per_side = grid.nodes_per_side;
-        base.solver.tolerance = grid.tolerance;
+        MapSettings::default().apply(&mut base);
         let plan = |size: &ShelfSize| Some((size.label().to_owned(), with_size(&base, size).ok()?));
         let (names, scenes): (Vec<String>, Vec<Scene>) =
             fitting.into_iter().filter_map(plan).unzip();
@@ -85,9 +83,9 @@ impl ShelfLargest {
         }
     }
 
-    /// The plans whose practice is wanted.
-    pub(super) fn wanted(&self) -> impl Iterator<Item = &Scene> {
-        self.scenes.iter()
+    /// The plans whose practice is wanted: none once all of it is known.
+    pub(super) fn wanted(&self) -> &[Scene] {
+        if self.against.contains(&Against::Waiting) { &self.scenes } else { &[] }
     }
 
     /// The name of the size with its numbers, in words; empty while that is not known or without a shelf.

@@ -139,13 +139,7 @@ fn the_cross_section_has_the_plane_of_the_implants_shape_or_a_chosen_one() {
         assert_eq!(section_plane(&harness), "feet to head");
         if size == DESKTOP {
             // The words of the pointer are those of the section along the body.
-            let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
-            let mut read = Vec::new();
-            for up in 0..40 {
-                harness.hover_at(strip.center_bottom() - vec2(-51.0, 26.0 + 2.5 * up as f32));
-                harness.run();
-                read.extend(reading(&harness, "Values at the pointer"));
-            }
+            let read = read_upwards(&mut harness);
             assert!(read.iter().any(|line| line.contains("Implant, ")), "{read:?}");
             assert!(read.iter().any(|line| line.contains("In fat")), "{read:?}");
         }
@@ -201,17 +195,22 @@ fn a_second_click_removes_the_kept_values() {
     assert_eq!(reading(&harness, "Kept values"), None);
 }
 
-#[test]
-fn the_cross_section_has_values_too() {
-    let mut harness = desktop();
+/// The values at the pointer over the cross-section, from the middle of the wall upwards: implant, then tissue.
+fn read_upwards(harness: &mut Harness<'static, App>) -> Vec<String> {
     let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
-    // From the middle of the wall upwards: implant, then tissue.
     let mut read = Vec::new();
     for up in 0..40 {
         harness.hover_at(strip.center_bottom() - vec2(-51.0, 26.0 + 2.5 * up as f32));
         harness.run();
-        read.extend(reading(&harness, "Values at the pointer"));
+        read.extend(reading(harness, "Values at the pointer"));
     }
+    read
+}
+
+#[test]
+fn the_cross_section_has_values_too() {
+    let mut harness = desktop();
+    let read = read_upwards(&mut harness);
     for words in ["Implant, ", "In fat", "In skin"] {
         let is_read = |line: &String| line.contains(words) && line.contains("; Cover ");
         assert!(read.iter().any(is_read), "{words} in {read:?}");

@@ -1,6 +1,6 @@
 //! The first plan of a list that stays usual: one scene after the other, until all words of its cards are calm.
 
-use super::{Case, Cases, Job, MapSettings, Quantity, Study};
+use super::{Case, Cases, Job, Quantity, Study};
 use crate::measure::bands::{self, PracticeStretch};
 use crate::scene::Scene;
 
@@ -16,17 +16,10 @@ pub struct FirstUsual {
 }
 
 impl FirstUsual {
-    /// The search in these plans with what practice's volumes give in their tissue, in their order, on a grid of 33 nodes per
-    /// side.
+    /// The search in these plans with what practice's volumes give in their tissue, in their order, each on its own grid: the words
+    /// of a found plan are those of its cards.
     #[must_use]
     pub fn new(mut plans: Vec<(Scene, Option<PracticeStretch>)>) -> Self {
-        plans.iter_mut().for_each(|(scene, _)| MapSettings::default().apply(scene));
-        Self::on_own_grids(plans)
-    }
-
-    /// As [`Self::new`], each plan on its own grid: the words of a found plan are those of its cards.
-    #[must_use]
-    pub fn on_own_grids(mut plans: Vec<(Scene, Option<PracticeStretch>)>) -> Self {
         plans.iter_mut().for_each(|(scene, _)| scene.patient = None);
         Self { plans, place: 0, is_found: false, is_running: false, jobs: 0 }
     }
@@ -96,16 +89,20 @@ impl Study for FirstUsual {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{Parameter, evaluate, with_values};
+    use crate::study::{MapSettings, Parameter, evaluate, with_values};
+
+    /// The opening plan with another volume on a coarse grid.
+    fn coarse(volume: f64) -> Scene {
+        let values = [(Parameter::Volume, volume)];
+        let mut plan = with_values(&Scene::opening(), &values).unwrap();
+        MapSettings::default().apply(&mut plan);
+        plan
+    }
 
     #[test]
     fn the_first_usual_plan_of_a_list_is_found_and_stored() {
-        let plan = |volume: f64| {
-            let values = [(Parameter::Volume, volume)];
-            with_values(&Scene::opening(), &values).unwrap()
-        };
         // The second is usual, as the opening plan; a flat third is never solved.
-        let plans = [plan(700.0), plan(225.0), plan(200.0)].map(|scene| (scene, None)).to_vec();
+        let plans = [700.0, 225.0, 200.0].map(|volume| (coarse(volume), None)).to_vec();
         let (mut search, mut store) = (FirstUsual::new(plans.clone()), Cases::default());
         let mut solved = 0;
         while let Some((index, job)) = search.next_job(&mut store) {
@@ -119,7 +116,7 @@ mod tests {
         assert!(again.next_job(&mut store).is_none());
         assert_eq!(again.found(), Some(1));
         // A failed job is no usual plan.
-        let mut failed = FirstUsual::new(vec![(plan(250.0), None)]);
+        let mut failed = FirstUsual::new(vec![(coarse(250.0), None)]);
         let (index, _) = failed.next_job(&mut store).unwrap();
         failed.receive(index, Vec::new(), &mut store);
         assert_eq!((failed.found(), failed.is_done()), (None, true));
@@ -128,14 +125,9 @@ mod tests {
     #[test]
     fn a_stretch_as_practice_is_calm_and_one_above_is_not() {
         let volumes = [350.0, 300.0];
-        let plans = volumes.map(|volume| {
-            let values = [(Parameter::Volume, volume)];
-            with_values(&Scene::opening(), &values).unwrap()
-        });
+        let plans = volumes.map(coarse);
         let strain = |plan: &Scene| {
-            let mut plan = plan.clone();
-            MapSettings::default().apply(&mut plan);
-            let outcome = crate::simulate::simulate(&plan).unwrap();
+            let outcome = crate::simulate::simulate(plan).unwrap();
             Quantity::GreatestStrain.of(&outcome).unwrap()
         };
         let [greater, less] = [strain(&plans[0]), strain(&plans[1])];
@@ -159,8 +151,7 @@ mod tests {
         let volumes = [250.0, 245.0, 240.0, 235.0];
         let plan =
             |volume: &f64| with_values(&Scene::opening(), &[(Parameter::Volume, *volume)]).unwrap();
-        let mut search =
-            FirstUsual::on_own_grids(volumes.iter().map(|v| (plan(v), None)).collect());
+        let mut search = FirstUsual::new(volumes.iter().map(|v| (plan(v), None)).collect());
         let mut store = Cases::default();
         while let Some((index, job)) = search.next_job(&mut store) {
             search.receive(index, evaluate(&job), &mut store);

@@ -80,7 +80,7 @@ pub(super) fn base_scene(scene: &Scene) -> Scene {
 
 impl MapSettings {
     /// Sets grid and tolerance of a scene.
-    pub(super) fn apply(self, scene: &mut Scene) {
+    pub fn apply(self, scene: &mut Scene) {
         scene.solver.nodes_per_side = self.nodes_per_side;
         scene.solver.tolerance = self.tolerance;
     }

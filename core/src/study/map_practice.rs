@@ -81,10 +81,13 @@ impl JudgedMap<'_> {
         let part = position - low as f64;
         let point = |k: usize| practice.points.get(k).copied().flatten();
         // A point without weight need not have a practice.
-        let low_or_high =
-            |part: f64, k: usize| if part > 1e-9 { point(k).map(Some) } else { Some(None) };
-        let (low, high) = (low_or_high(1.0 - part, low)?, low_or_high(part, low + 1)?);
-        let (low, high) = (low.or(high)?, high.or(low)?);
+        if part < 1e-9 {
+            return point(low);
+        }
+        if part > 1.0 - 1e-9 {
+            return point(low + 1);
+        }
+        let (low, high) = (point(low)?, point(low + 1)?);
         let between = |of: fn(PracticeStretch) -> f64| of(low) + part * (of(high) - of(low));
         Some(PracticeStretch {
             less: between(|it| it.less),

@@ -49,10 +49,7 @@ impl Samples {
     /// bands. `None` if the samples are not those of the same unknowns and seed, or too few have both answers.
     #[must_use]
     pub fn difference(&self, other: &Self, quantity: Quantity) -> Option<[f64; 3]> {
-        if (self.seed, &self.unknowns) != (other.seed, &other.unknowns) {
-            return None;
-        }
-        let pairs = self.values.get(&quantity)?.iter().zip(other.values.get(&quantity)?);
+        let pairs = self.values.get(&quantity)?.iter().zip(other.values_beside(self, quantity)?);
         band(pairs.filter_map(|(a, b)| Some((*a)? - (*b)?)).collect())
     }
 
@@ -61,14 +58,16 @@ impl Samples {
     /// seed.
     #[must_use]
     pub fn beside(&self, others: [&Self; 2], quantity: Quantity) -> Option<Vec<[f64; 3]>> {
-        let is_same = |other: &Self| (self.seed, &self.unknowns) == (other.seed, &other.unknowns);
-        if !others.into_iter().all(is_same) {
-            return None;
-        }
-        let of = |samples: &'_ Self| samples.values.get(&quantity).cloned();
-        let ([a, b], own) = ([of(others[0])?, of(others[1])?], self.values.get(&quantity)?);
-        let all = own.iter().zip(a).zip(b).map(|((own, a), b)| Some([(*own)?, a?, b?]));
+        let [a, b] = others.map(|other| other.values_beside(self, quantity));
+        let (own, a, b) = (self.values.get(&quantity)?, a?, b?);
+        let all = own.iter().zip(a).zip(b).map(|((own, a), b)| Some([(*own)?, (*a)?, (*b)?]));
         Some(all.flatten().collect())
+    }
+
+    /// The values of a quantity, if the samples are those of the same unknowns and seed as another scene's.
+    fn values_beside(&self, other: &Self, quantity: Quantity) -> Option<&[Option<f64>]> {
+        let is_same = (self.seed, &self.unknowns) == (other.seed, &other.unknowns);
+        self.values.get(&quantity).filter(|_| is_same).map(Vec::as_slice)
     }
 }
 

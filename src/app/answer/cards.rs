@@ -5,7 +5,7 @@
 use super::shares::in_words as shares;
 use crate::app::practice::{Against, Practices};
 use crate::app::texts::{self, fixed, localized, tr, word_of};
-use crate::app::uncertainty::{Findings, figure};
+use crate::app::uncertainty::{FEW, Findings, figure};
 use crate::measure::bands::{self, Limits, PracticeStretch, SkinLimits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
@@ -249,9 +249,9 @@ impl<'a> Sampled<'a> {
 
     /// The numbers of patients by the word against practice, that of practice's volumes in the tissue of each patient.
     fn shares_of_practice(&self) -> Option<String> {
-        let (of, practice) = (self.0?.few(), self.0?.practice());
+        let practice = self.0?.practice();
         let words = practice.iter().map(|(strain, practice)| in_words(practice.verdict(*strain)));
-        shares(words, of.saturating_sub(practice.len())).filter(|_| !practice.is_empty())
+        shares(words, FEW.saturating_sub(practice.len())).filter(|_| !practice.is_empty())
     }
 
     /// The 10th and the 90th percentile.
@@ -292,10 +292,10 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
     let (limits, factor) = if is_waiting { (WITHOUT, 1.0) } else { answer.skin.limits() };
     let is_reserve = !is_waiting && matches!(answer.skin, SkinLimits::Reserve(_));
     let most = if is_waiting { color::MOST_OF_PRACTICE } else { color::most(answer.skin) };
-    let of_practice = answer.practice().map(|(practice, ml)| (100.0 * practice.same, ml));
+    let of_practice = answer.practice().map(|(practice, ml)| (practice.same, ml));
     let words = match (answer.against, answer.reserve, of_practice) {
-        (_, _, Some((percent, ml))) => {
-            tr!("practice's {ml:.0} ml: {percent:.0} %", ml, percent)
+        (_, _, Some((strain, ml))) => {
+            tr!("practice's {ml:.0} ml: {percent:.0} %", ml, percent = 100.0 * strain)
         }
         (Against::Skin(_), Some(share), _) => {
             tr!("longer: {share:.0} % of its reserve", share = 100.0 * share)
@@ -306,9 +306,8 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         Some(_) => tr("Longer than at rest, where the skin is stretched most.").to_owned(),
         None => line,
     };
-    let mark = answer.practice().map(|(practice, _)| {
-        (practice.same, tr!("practice {percent:.0} %", percent = 100.0 * practice.same))
-    });
+    let mark = of_practice
+        .map(|(strain, _)| (strain, tr!("practice {percent:.0} %", percent = 100.0 * strain)));
     let range = sampled.range(Quantity::GreatestStrain);
     let verdict = |value| in_words(limits.verdict(value));
     Card {

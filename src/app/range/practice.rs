@@ -45,9 +45,9 @@ impl ChartPractice {
         is_other
     }
 
-    /// The plans whose practice is wanted.
+    /// The plans whose practice is wanted: none once all of it is known.
     pub(super) fn wanted(&self) -> &[Scene] {
-        &self.plans
+        if self.is_pending { &self.plans } else { &[] }
     }
 
     /// Is practice of a plan not known yet?
@@ -89,8 +89,7 @@ fn along(map: &Map) -> Option<usize> {
 /// The plan of the map on its grid, then that of each value of an axis. A point out of the limits of a scene has the plan of the map.
 fn plans(map: &Map, along: usize) -> Vec<Scene> {
     let mut base = map.base().clone();
-    base.solver.nodes_per_side = map.settings().nodes_per_side;
-    base.solver.tolerance = map.settings().tolerance;
+    map.settings().apply(&mut base);
     let (columns, rows) = map.shape();
     let point = |k: usize| match along {
         0 => plan(map, k, 0),

@@ -12,7 +12,7 @@ mod sampling;
 mod unknowns;
 
 pub(super) use panel::{figure, without_answer};
-pub(super) use sampling::Findings;
+pub(super) use sampling::{FEW, Findings};
 
 use super::practice::Practices;
 use super::studies::Studies;
@@ -24,7 +24,7 @@ use crate::study::{Bands, BandsSettings, Index, Quantity, Samples, SectionBand, 
 use eframe::egui;
 use pins::PinSamples;
 use practice::PracticeSamples;
-use sampling::{FEW, Sampling};
+use sampling::Sampling;
 use unknowns::Choices;
 
 /// The study of what is not known, and its choices.

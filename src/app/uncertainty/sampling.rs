@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Number of the few patients, which are the first of all patients.
-pub(super) const FEW: usize = 16;
+pub(in crate::app) const FEW: usize = 16;
 /// Time after an edit before the study starts \[s\].
 const QUIET: f64 = 0.3;
 
@@ -64,11 +64,6 @@ impl Findings {
     /// Strains \[-\] of a few patients with answers, and those of practice's volumes in the tissue of each; empty while they are not known.
     pub(in crate::app) fn practice(&self) -> &[(f64, PracticeStretch)] {
         &self.practice
-    }
-
-    /// Number of the few patients.
-    pub(in crate::app) fn few(&self) -> usize {
-        FEW
     }
 
     /// Number of samples with an answer.

@@ -86,7 +86,7 @@ impl Width {
             let plan = |volume: &f64| with_values(curve.base(), &[(Parameter::Volume, *volume)]);
             let plans = self.volumes.iter().map_while(|v| Some((plan(v).ok()?, practice)));
             let plans = plans.collect();
-            self.check.start(FirstUsual::on_own_grids(plans), studies);
+            self.check.start(FirstUsual::new(plans), studies);
             self.marks = Some(found);
         }
         self.check.advance(studies);
