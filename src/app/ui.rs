@@ -132,7 +132,7 @@ impl App {
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
         self.edits.typing.0 = plan::patient(ui, scene, Hand::Mouse);
-        plan::practice(ui, scene, &self.shared.practices.takes(scene), Hand::Mouse);
+        plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
         self.tissue(ui, scene, Hand::Mouse);
@@ -175,7 +175,7 @@ impl App {
             }
             NarrowTab::Patient => {
                 self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger);
-                plan::practice(ui, scene, &self.shared.practices.takes(scene), Hand::Finger);
+                plan::practice(ui, scene, &self.shared.practices, Hand::Finger);
                 self.tissue(ui, scene, Hand::Finger);
             }
             NarrowTab::Pocket => {

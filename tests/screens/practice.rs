@@ -75,6 +75,25 @@ fn measurements_correct_the_volume_that_practice_takes() {
 }
 
 #[test]
+fn the_measured_base_of_the_breast_keeps_practices_volume_while_the_implant_gets_narrower() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Practice takes 300 ml");
+    harness.get_by_label("Breast base measured").click();
+    harness.run();
+    harness.get_by_label("Practice takes 300 ml");
+    type_into(&mut harness, "Breast base (cm)", "13");
+    harness.get_by_label("Practice takes 325 ml");
+    type_into(&mut harness, "Width (cm)", "11");
+    harness.get_by_label("Practice takes 325 ml");
+    wait_until(&mut harness, "practice", |harness| text_with(harness, "practice's 325 ml: "));
+    let words = largest_usual(&mut harness);
+    assert!(words.starts_with("11 cm: practice takes 325 ml for a base of 13 cm; "), "{words}");
+    harness.get_by_label("Breast base measured").click();
+    harness.run();
+    harness.get_by_label("Practice takes 250 ml");
+}
+
+#[test]
 fn a_plan_that_practice_does_not_know_has_the_words_of_its_skin_and_the_reason() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     unfold(&mut harness, "Where limits come from");

@@ -1,4 +1,4 @@
-//! The stretch that practice's volumes give in the tissue of a plan: three round implants of the plan's base width, of practice's
+//! The stretch that practice's volumes give in the tissue of a plan: three round implants of the breast's base width, of practice's
 //! volume less a step of the rule, of practice's, and of a step more.
 
 use super::{Case, Cases, Job, Quantity, Study};
@@ -8,7 +8,7 @@ use crate::scene::{Body, Implant, Scene};
 use crate::springs::Springs;
 
 /// Margin of the pocket around practice's implant \[mm\].
-pub const PRACTICE_MARGIN_MM: f64 = 10.0;
+const MARGIN_MM: f64 = 10.0;
 
 /// Why a plan is not compared with practice.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,10 +48,9 @@ impl Practice {
         if !plan.is_layered() || plan.springs != Springs::Coupled {
             return Err(NoPractice::Model);
         }
-        let width_mm = 2.0 * plan.implant.base_radius_mm;
         let (least, most) = table.widths_mm();
-        let volume =
-            table.volume(width_mm, &measured(plan)).ok_or(NoPractice::Width(least, most))?;
+        let volume = table.volume(breast_width_mm(plan), &measured(plan));
+        let volume = volume.ok_or(NoPractice::Width(least, most))?;
         let scenes = practice_scenes(plan, &volume).ok_or(NoPractice::Volume)?;
         Ok(Self { volume, scenes, strains: [State::Waiting; 3], jobs: Vec::new() })
     }
@@ -87,7 +86,7 @@ impl Practice {
 
 /// The three scenes of practice in the tissue of a plan; `None` if one is out of the limits of a scene.
 fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> {
-    let width_mm = 2.0 * plan.implant.base_radius_mm;
+    let width_mm = breast_width_mm(plan);
     let scene = |step: f64| {
         let size = Size::of_width_and_volume(width_mm, volume.volume_ml() + step * STEP_ML).ok()?;
         let mut scene = Scene {
@@ -98,27 +97,44 @@ fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> 
             ..plan.clone()
         };
         scene.implant = Implant {
-            base_radius_mm: plan.implant.base_radius_mm,
+            base_radius_mm: 0.5 * width_mm,
             projection_mm: size.projection_mm(),
             ..Implant::default()
         };
-        scene.set_pocket_radius(scene.implant.least_pocket_mm() + PRACTICE_MARGIN_MM);
+        let follows = has_default_patch(plan);
+        scene.set_pocket_radius(scene.implant.least_pocket_mm() + MARGIN_MM);
+        let pocket = scene.pocket_radius_mm;
         if let Some(body) = &mut scene.body {
-            let (least, _) = Body::patch_range(scene.pocket_radius_mm);
-            body.patch_radius_mm = body.patch_radius_mm.max(least);
+            let (least, _) = Body::patch_range(pocket);
+            body.patch_radius_mm = match follows {
+                true => Body::around(pocket, body.tissue_model).patch_radius_mm,
+                false => body.patch_radius_mm.max(least),
+            };
         }
         scene.validate().is_ok().then_some(scene)
     };
     Some([scene(-1.0)?, scene(0.0)?, scene(1.0)?])
 }
 
-/// Is the implant of a plan one of practice's but for its volume: round, centred, with the usual margin of the pocket?
+/// Base width of the breast of a plan \[mm\]: as measured, else that of the implant.
 #[must_use]
-pub fn is_of_practice(plan: &Scene) -> bool {
+pub fn breast_width_mm(plan: &Scene) -> f64 {
+    measured(plan).base_width_mm.unwrap_or(2.0 * plan.implant.base_radius_mm)
+}
+
+/// Is the implant of a plan one of practice's but for width and volume: a round half-ellipsoid in the middle?
+#[must_use]
+pub fn has_shape_of_practice(plan: &Scene) -> bool {
     let Implant { base_radius_mm, projection_mm, .. } = plan.implant;
-    let usual = Implant { base_radius_mm, projection_mm, ..Implant::default() };
-    let margin = plan.pocket_radius_mm - plan.implant.least_pocket_mm();
-    plan.implant == usual && (margin - PRACTICE_MARGIN_MM).abs() < 1e-6
+    plan.implant == Implant { base_radius_mm, projection_mm, ..Implant::default() }
+}
+
+/// Has the patch the default radius, which follows the pocket?
+fn has_default_patch(plan: &Scene) -> bool {
+    plan.body.is_some_and(|body| {
+        let default = Body::around(plan.pocket_radius_mm, body.tissue_model).patch_radius_mm;
+        (body.patch_radius_mm - default).abs() < 1e-9
+    })
 }
 
 /// Have two plans the same practice: the same tissue, chest, measurements, base width and settings of the solver?
@@ -128,9 +144,9 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
     fn subject(scene: &Scene) -> impl PartialEq {
         let Scene {
             schema,
-            implant,
+            implant: _,
             implant_reference: _,
-            pocket_radius_mm,
+            pocket_radius_mm: _,
             body,
             chest,
             chest_grid,
@@ -144,14 +160,13 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
             solver,
         } = scene;
         let measured = patient.as_ref().map(|patient| patient.measured);
-        // A patch of the default radius follows the pocket.
-        let body = body.map(|body| {
-            let default = Body::around(*pocket_radius_mm, body.tissue_model).patch_radius_mm;
-            let is_default = (body.patch_radius_mm - default).abs() < 1e-9;
-            Body { patch_radius_mm: if is_default { 0.0 } else { body.patch_radius_mm }, ..body }
+        let follows = has_default_patch(scene);
+        let body = body.map(|body| Body {
+            patch_radius_mm: if follows { 0.0 } else { body.patch_radius_mm },
+            ..body
         });
         let tissue = (layers, thickness_field, measured, springs);
-        (schema, implant.base_radius_mm.to_bits(), body, chest, chest_grid, tissue, solver)
+        (schema, breast_width_mm(scene).to_bits(), body, chest, chest_grid, tissue, solver)
     }
     subject(a) == subject(b)
 }
@@ -253,7 +268,7 @@ mod tests {
         other.set_pocket_radius(72.0);
         let (again, solved) = solve(&other, &mut store);
         assert_eq!((again.stretch(), solved), (Ok(found), 0));
-        assert!(is_of_practice(&plan) && !is_of_practice(&other));
+        assert!(has_shape_of_practice(&plan) && !has_shape_of_practice(&other));
         assert!(has_same_practice(&plan, &other));
         other.layers[1].thickness_mm += 1.0;
         assert!(!has_same_practice(&plan, &other));
@@ -272,6 +287,22 @@ mod tests {
         let mut sheet = Scene::opening();
         sheet.set_tissue_model(TissueModel::Sheet);
         assert_eq!(Practice::new(&sheet, &table).err(), Some(NoPractice::Model));
+    }
+
+    #[test]
+    fn the_measured_base_of_the_breast_has_one_practice_for_every_width_of_the_implant() {
+        let mut plan = Scene::opening();
+        let measured = Measurements { base_width_mm: Some(130.0), ..measured(&plan) };
+        plan.apply_patient(measured).unwrap();
+        let wide = with_values(&plan, &[(Parameter::BaseWidth, 130.0)]).unwrap();
+        let narrow = with_values(&plan, &[(Parameter::BaseWidth, 110.0)]).unwrap();
+        assert!(has_same_practice(&wide, &narrow) && has_same_practice(&plan, &narrow));
+        // Without the measurement, the plan of 13 cm has the same practice.
+        let of = |plan: &Scene| Practice::new(plan, &PracticeTable::default()).unwrap();
+        let alone = with_values(&Scene::opening(), &[(Parameter::BaseWidth, 130.0)]).unwrap();
+        assert!((of(&narrow).volume().volume_ml() - 325.0).abs() < 1e-9);
+        assert_eq!(of(&narrow).scenes(), of(&alone).scenes());
+        assert!(!has_same_practice(&Scene::opening(), &alone));
     }
 
     #[test]

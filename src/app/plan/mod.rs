@@ -57,7 +57,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         .and_then(|m| m.skin_pull_mm)
         .map(|pull| (tr("Pull of the skin"), centimetres(pull)));
     let base =
-        measured.and_then(|m| m.base_width_mm).map(|base| (tr("Base width"), centimetres(base)));
+        measured.and_then(|m| m.base_width_mm).map(|base| (tr("Breast base"), centimetres(base)));
     let fold = measured
         .and_then(|m| m.fold_stretched_mm)
         .map(|fold| (tr("Nipple–fold, stretched"), centimetres(fold)));

@@ -12,7 +12,9 @@ use super::texts::tr;
 use crate::clinical::{PracticeTable, PracticeVolume};
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
 use crate::scene::Scene;
-use crate::study::{Cases, NoPractice, Practice, Study, evaluate, has_same_practice};
+use crate::study::{
+    Cases, NoPractice, Practice, Study, breast_width_mm, evaluate, has_same_practice,
+};
 
 /// Greatest number of plans whose practice is kept.
 const MOST: usize = 128;
@@ -125,8 +127,7 @@ impl Practices {
             return None;
         }
         let measured = plan.patient.as_ref().map(|patient| patient.measured);
-        let width = 2.0 * plan.implant.base_radius_mm;
-        self.table.volume(width, &measured.unwrap_or_default())
+        self.table.volume(breast_width_mm(plan), &measured.unwrap_or_default())
     }
 
     /// The plans of practice's least and greatest volume in the tissue of a plan that is compared with practice.

@@ -8,7 +8,7 @@ use crate::app::widgets::quantity::format_at_most;
 use crate::clinical::{Bound, Corrected, Correction, PracticeTable, STEP_ML};
 use crate::measure::bands::PracticeStretch;
 use crate::scene::Scene;
-use crate::study::NoPractice;
+use crate::study::{NoPractice, breast_width_mm};
 use eframe::egui::Ui;
 
 /// The rule as it applies to a plan, or why it does not apply, and the source of its numbers; a line each. Empty for an expander.
@@ -60,7 +60,7 @@ fn volume(
         "Practice takes {volume:.0} ml here: {start:.0} ml for a base of {width} cm{parts}.",
         volume = volume.volume_ml(),
         start = volume.start_ml,
-        width = centimetres(2.0 * plan.implant.base_radius_mm),
+        width = centimetres(breast_width_mm(plan)),
         parts
     );
     let Some(practice) = practice else { return Some(takes) };

@@ -17,7 +17,9 @@ use super::volumes::volumes;
 use super::widgets::quantity::format_at_most;
 use crate::clinical::{Shelf, ShelfSize};
 use crate::scene::Scene;
-use crate::study::{BandsSettings, Map, Parameter, Quantity, with_values};
+use crate::study::{
+    BandsSettings, Map, Parameter, Quantity, breast_width_mm, has_shape_of_practice, with_values,
+};
 use eframe::egui;
 use marks::Mark;
 use web_time::{Duration, Instant};
@@ -181,10 +183,19 @@ impl VolumeMarks {
         };
         let width = width_in_words(curve.base());
         let practice = practices.volume(curve.base()).map(|practice| practice.volume_ml());
+        let base = centimetres(breast_width_mm(curve.base()));
         let words = match (practice, largest) {
             (Some(ml), largest) => {
-                tr!("{width} cm: practice takes {ml:.0} ml; ", width, ml)
-                    + &against_practice(largest, self.own.end())
+                let takes = match base == width {
+                    true => tr!("{width} cm: practice takes {ml:.0} ml; ", width, ml),
+                    false => tr!(
+                        "{width} cm: practice takes {ml:.0} ml for a base of {base} cm; ",
+                        width,
+                        ml,
+                        base
+                    ),
+                };
+                takes + &against_practice(largest, self.own.end(), curve.base())
             }
             (None, None) if self.is_always_thin() => {
                 tr!("No volume on {width} cm stays usual, because the cover is thin", width)
@@ -278,14 +289,19 @@ impl VolumeMarks {
     }
 }
 
-/// The largest volume whose stretch is at most that of practice, with what else ends the volumes.
-fn against_practice(largest: Option<String>, end: Option<&Mark>) -> String {
+/// The largest volume whose stretch is at most that of practice, with what else ends the volumes of a plan.
+fn against_practice(largest: Option<String>, end: Option<&Mark>, plan: &Scene) -> String {
     let is_of = |quantity| end.is_some_and(|mark| mark.quantity == Some(quantity));
     let (thin, pressure) = (is_of(Quantity::LeastCoverMm), is_of(Quantity::GreatestPressureMmhg));
     match largest {
         Some(volume) if thin => tr!("up to {volume}, then the cover is thin", volume),
         Some(volume) if pressure => tr!("up to {volume}, then the pressure is high", volume),
-        Some(volume) => tr!("this skin carries up to {volume} with the same stretch", volume),
+        Some(volume) if has_shape_of_practice(plan) => {
+            tr!("this skin carries up to {volume} with the same stretch", volume)
+        }
+        Some(volume) => {
+            tr!("this skin carries up to {volume} of this shape with the same stretch", volume)
+        }
         None if thin => tr("the cover is thin with every volume").to_owned(),
         None if pressure => tr("the pressure is high with every volume").to_owned(),
         None => tr("no volume stretches this skin so little").to_owned(),
@@ -308,12 +324,17 @@ fn full(plan: &Scene) -> Scene {
 
 /// Width of the implant of a scene \[cm\], as "12".
 fn width_in_words(scene: &Scene) -> String {
-    format_at_most(0.2 * scene.implant.base_radius_mm, 0, 1)
+    centimetres(2.0 * scene.implant.base_radius_mm)
+}
+
+fn centimetres(mm: f64) -> String {
+    format_at_most(0.1 * mm, 0, 1)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clinical::Measurements;
     use crate::measure::bands::PracticeStretch;
     use crate::study::NoPractice;
 
@@ -381,6 +402,17 @@ mod tests {
             let words = marks.largest_usual(&practices);
             assert_eq!(words, format!("12 cm: practice takes 300 ml; {expected}."));
         }
+        // An implant of another shape than practice's round one, on a breast whose base is measured.
+        let mut plan = Scene::opening();
+        plan.implant.apex_shift_mm = 5.0;
+        let measured = plan.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+        plan.apply_patient(Measurements { base_width_mm: Some(130.0), ..measured }).unwrap();
+        let practices = Practices::of_known(plan.clone(), Ok(practice));
+        let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(310.0));
+        assert_eq!(
+            VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices),
+            "12 cm: practice takes 325 ml for a base of 13 cm; this skin carries up to 310 ml of this shape with the same stretch."
+        );
     }
 
     #[test]
