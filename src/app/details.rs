@@ -87,9 +87,9 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             for (quantity, decimals, is_for_research) in [
                 (Quantity::ForceN, 2, true),
                 (Quantity::MeanPressureKpa, 2, true),
-                (Quantity::MeanPressureMmhg, 1, false),
+                (Quantity::MeanPressureMmhg, 0, false),
                 (Quantity::GreatestPressureKpa, 2, true),
-                (Quantity::GreatestPressureMmhg, 1, false),
+                (Quantity::GreatestPressureMmhg, 0, false),
             ] {
                 if is_research || !is_for_research {
                     of(ui, outcome, bands, quantity, decimals);
@@ -188,7 +188,11 @@ fn band(ui: &mut Ui, bands: Bands<'_>, quantity: Quantity) {
                     ui.label(quiet(quantity.display().1));
                 },
             );
-            ui.label(quiet(&localized(band.range())));
+            let (factor, unit) = quantity.display();
+            ui.label(quiet(&match unit {
+                "mmHg" => texts::pressures([band.p10, band.p90].map(|value| factor * value)),
+                _ => localized(band.range()),
+            }));
         });
     });
 }
@@ -218,7 +222,7 @@ fn row(
     unit: &str,
 ) {
     let name: RichText = name.into();
-    let text = value.map_or_else(|| "–".to_owned(), |v| figures(v, decimals, error));
+    let text = value.map_or_else(|| "–".to_owned(), |value| in_unit(value, decimals, error, unit));
     ui.horizontal(|ui| {
         let height = ui.spacing().interact_size.y - 6.0;
         let space = 2.0 * ui.spacing().item_spacing.x;
@@ -251,6 +255,16 @@ pub(super) fn figures(value: f64, decimals: usize, position_error: f64) -> Strin
     localized(without_negative_zero(format!("{value:.decimals$}")))
 }
 
+/// [`figures`] of a value with a unit. A pressure of more than the card has is none here, in the width of the column.
+fn in_unit(value: f64, decimals: usize, position_error: f64, unit: &str) -> String {
+    match unit {
+        "mmHg" if value.round() > texts::MOST_PRESSURE => {
+            format!("> {:.0}", texts::MOST_PRESSURE)
+        }
+        _ => figures(value, decimals, position_error),
+    }
+}
+
 /// Number of decimals of [`figures`].
 pub(super) fn known_decimals(value: f64, decimals: usize, position_error: f64) -> usize {
     let open = (10.0 * position_error * value.abs()).max(1e-12);
@@ -270,5 +284,13 @@ mod tests {
         assert_eq!(figures(2.9712, 2, f64::INFINITY), "3");
         assert_eq!(figures(-1e-17, 1, 1e-6), "0.0");
         assert_eq!(figures(-0.4, 1, 1e-6), "-0.4");
+    }
+
+    #[test]
+    fn a_pressure_has_two_digits_and_no_number_above_what_the_card_has() {
+        assert_eq!(in_unit(12.34, 0, 1e-6, "mmHg"), "12");
+        assert_eq!(in_unit(100.4, 0, 1e-6, "mmHg"), "100");
+        assert_eq!(in_unit(216.0, 0, 1e-6, "mmHg"), "> 100");
+        assert_eq!(in_unit(216.0, 0, 1e-6, "kPa"), "216");
     }
 }
