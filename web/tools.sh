@@ -123,10 +123,10 @@ test_python() {
   python3 -c 'import ensurepip' 2>/dev/null || need_packages no-ensurepip=python3-venv
   python3 -m venv --clear "$TOOLS_DIR/python"
   local python="$TOOLS_DIR/python/bin/python"
-  CARGO_TARGET_DIR="$TOOLS_DIR/python-target" "$python" -m pip install --quiet --disable-pip-version-check "./python[test]"
-  "$python" -m mypy --strict python/implant_preview
-  # From the folder of the tests: the installed module is tested, not the one of the checkout.
-  (cd python/tests && "$python" -m pytest -q)
+  # From the folder of the tests: the installed module is tested, not the one of the checkout. Joined: a step is no place for `set -e`.
+  CARGO_TARGET_DIR="$TOOLS_DIR/python-target" "$python" -m pip install --quiet --disable-pip-version-check "./python[test]" &&
+    "$python" -m mypy --strict python/implant_preview &&
+    (cd python/tests && "$python" -m pytest -q)
 }
 
 # Builds the JavaScript package and tests its tarball. The native program writes the schemas and is compared with.
