@@ -125,8 +125,14 @@ impl FillSteps {
         String::new()
     }
 
-    /// Shows the schedule and its table; returns the table (CSV) if it should be saved.
-    pub(super) fn show(&mut self, ui: &mut Ui, curve: &Map, full_ml: f64) -> Option<String> {
+    /// Shows the schedule and its table; returns the table (CSV) if it should be saved. `is_solved`: the curve has all its values.
+    pub(super) fn show(
+        &mut self,
+        ui: &mut Ui,
+        curve: &Map,
+        full_ml: f64,
+        is_solved: bool,
+    ) -> Option<String> {
         ui.label(RichText::new(tr("Fill steps by week")).small().strong());
         self.fields(ui);
         let rows = self.rows(curve, full_ml);
@@ -142,6 +148,9 @@ impl FillSteps {
         remark(ui, tr(NOTE));
         let mut chosen = None;
         ui.horizontal_wrapped(|ui| {
+            if !is_solved {
+                ui.disable();
+            }
             if ui
                 .button(tr("Copy fill steps"))
                 .on_hover_text(tr("As a table, for a letter or a sheet"))

@@ -158,7 +158,7 @@ impl Filling {
         }));
     }
 
-    /// Shows the charts with the present fill \[ml\] and the steps up to this fill; returns name and content of a file to save.
+    /// Shows the steps up to the present fill \[ml\], and the charts with that fill; returns name and content of a file to save.
     fn show(
         &self,
         ui: &mut Ui,
@@ -170,6 +170,11 @@ impl Filling {
             ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
             return None;
         }
+        // The table a surgeon works by comes first.
+        let solved = self.curve.finished();
+        let table =
+            self.curve.study().and_then(|curve| steps.show(ui, curve, fill, solved.is_some()));
+        ui.add_space(SPACE);
         for chart in &CHARTS {
             ui.label(RichText::new(tr(chart.name)).small().strong());
             self.chart(ui, chart, fill, palette);
@@ -182,13 +187,10 @@ impl Filling {
         if let Some(failure) = self.curve.failure().or_else(|| self.check.failure()) {
             ui.add(egui::Label::new(RichText::new(failure).small().color(palette.bad)).wrap());
         }
-        let solved = self.curve.finished();
         let save = ui.add_enabled(solved.is_some(), egui::Button::new(tr("Save table (CSV)…")));
         let is_saved = save.on_hover_text(tr("All results of all fills")).clicked();
-        let curve = solved?;
-        ui.add_space(SPACE);
-        let table = steps.show(ui, curve, fill).map(|table| ("fill-steps", table));
-        table.or_else(|| is_saved.then(|| ("filling", curve.csv())))
+        let table = table.map(|table| ("fill-steps", table));
+        table.or_else(|| Some(("filling", solved.filter(|_| is_saved)?.csv())))
     }
 
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
