@@ -136,6 +136,8 @@ struct Drawn<'a> {
     /// The springs?
     net: bool,
     areola: Areola,
+    /// The line of the pocket's edge?
+    pocket_line: bool,
 }
 
 impl Viewport {
@@ -290,6 +292,7 @@ impl Viewport {
             section,
             net: options.net,
             areola: options.areola(),
+            pocket_line: options.has_pocket_line(),
         };
         self.draw(ui, &painter, area, drawn);
         self.draw_envelope(ui, &painter, area, (session, section), envelope);
@@ -418,7 +421,8 @@ impl Viewport {
     }
 
     fn draw(&self, ui: &Ui, painter: &egui::Painter, area: Rect, drawn: Drawn<'_>) {
-        let Drawn { number, numbers, picture, table, range, problem, section, net, areola } = drawn;
+        let Drawn { number, numbers, picture, table, range, problem, section, .. } = drawn;
+        let Drawn { net, areola, pocket_line, .. } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
             let text = tr!(
@@ -433,8 +437,10 @@ impl Viewport {
         let (right, up) = self.camera.light();
         // A sheet ends at the pocket's edge.
         let pocket = match problem.tissue {
-            Tissue::Sheet => 0.0,
-            Tissue::Layered { .. } => problem.patch.pocket_radius_mm / problem.sheet().spacing_mm(),
+            Tissue::Layered { .. } if pocket_line => {
+                problem.patch.pocket_radius_mm / problem.sheet().spacing_mm()
+            }
+            Tissue::Layered { .. } | Tissue::Sheet => 0.0,
         };
         let frame = Frame {
             picture: number,

@@ -60,6 +60,11 @@ impl Options {
         (self.quantity, self.section) = subject.parts();
     }
 
+    /// Is the line of the pocket's edge drawn? On natural, uncut skin it looks like a scar.
+    pub(super) fn has_pocket_line(&self) -> bool {
+        self.subject() != Some(Subject::Look)
+    }
+
     /// The switch of the areola for the present colours.
     pub(crate) fn areola_mut(&mut self) -> &mut bool {
         match self.quantity {
@@ -119,5 +124,14 @@ mod tests {
         assert_eq!(options.areola(), Areola::Hidden);
         options.quantity = Quantity::Pressure;
         assert_eq!(options.areola(), Areola::Edge);
+    }
+
+    #[test]
+    fn the_look_of_the_skin_has_no_line_of_the_pocket_and_the_other_pictures_have_one() {
+        let mut options = Options::default();
+        for subject in Subject::ALL {
+            options.set_subject(subject);
+            assert_eq!(options.has_pocket_line(), subject != Subject::Look, "{subject:?}");
+        }
     }
 }

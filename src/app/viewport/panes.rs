@@ -96,6 +96,7 @@ impl Viewport {
             section: section_of(options, problem),
             net: options.net,
             areola: options.areola(),
+            pocket_line: options.has_pocket_line(),
         };
         // What differs beside the size, in a line below the title.
         let differs = differing::in_words(session);
