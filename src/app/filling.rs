@@ -215,7 +215,10 @@ impl Filling {
                 let mark = |value| GridMark { value, step_size: (high - low) / NUMBERS as f64 };
                 marks((low, high), NUMBERS).into_iter().map(mark).collect()
             })
-            .label_formatter(read);
+            .label_formatter(read)
+            // One point has no range for the numbers of an axis.
+            .show_axes(line.len() > 1)
+            .show_grid(line.len() > 1);
         plot.show(ui, |plot| {
             let ends = line.first().zip(line.last()).map(|(a, b)| (a[0], b[0]));
             if is_pressure {

@@ -158,3 +158,21 @@ fn another_fill_keeps_the_curves_and_another_base_renews_them() {
     press(&mut harness, "round");
     assert!(harness.query_by_label("Filling").is_none());
 }
+
+#[test]
+fn a_chart_without_values_has_no_numbers_beside_it() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    let zeros = |harness: &Harness<'static, App>| {
+        let texts = painted_texts(harness).into_iter();
+        texts.filter(|text| text == "0" || text == "-0").count()
+    };
+    let before = zeros(&harness);
+    harness.get_by_role_and_label(Role::Button, "expander").click();
+    harness.step();
+    harness.step();
+    harness.get_by_label_contains("0 of ");
+    harness.get_by_label("Pressure (mmHg)");
+    assert_eq!(zeros(&harness), before);
+    wait_for(&mut harness, WORDS);
+    assert!(zeros(&harness) > before);
+}
