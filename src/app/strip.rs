@@ -36,6 +36,9 @@ const LEGEND: f32 = 96.0;
 const LEAST_MM: f32 = 80.0;
 const STEP_MM: f32 = 20.0;
 
+/// Least distance of two points of an outline, whose direction is then more than rounding \[points\].
+const LEAST_STEP: f32 = 0.1;
+
 /// The scale of the strip: one for all plans of a session, so that two plans are seen in their sizes. A plan that does not fit
 /// makes it smaller for good.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -326,7 +329,11 @@ fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, subject: &impl Subje
         mesh.add_triangle(k - 1, k, k + 1);
     }
     painter.add(Shape::mesh(mesh));
-    painter.add(Shape::closed_line([top, low].concat(), Stroke::new(1.5, accent)));
+    // The base ends at the feet of the top: below an overhang it would turn back on itself, a corner that is drawn as a long spike.
+    let [Some(first), Some(last)] = [top.first(), top.last()] else { return };
+    let feet = Rect::from_two_pos(*first, *last).x_range().shrink(LEAST_STEP);
+    let base = low.into_iter().filter(|at| feet.contains(at.x)).collect();
+    painter.add(Shape::closed_line([top, base].concat(), Stroke::new(1.5, accent)));
 }
 
 fn paint_tissue(

@@ -1,7 +1,7 @@
 //! What stands on the pictures: words of the directions, the scale of the cross-section.
 
 use super::*;
-use implant_preview::scene::Side;
+use implant_preview::scene::{ChestShape, Side};
 
 /// The places of the words of the directions on the picture, of those that are drawn.
 fn directions(harness: &Harness<'static, App>) -> Vec<(String, egui::Pos2)> {
@@ -188,5 +188,34 @@ fn the_legend_of_a_phone_is_below_the_tissue_beside_the_scale_bar() {
         let [scale] = places(" cm")[..] else { panic!("one scale bar") };
         assert!(legend.top() > view.bottom() - 64.0 && legend.bottom() < view.bottom(), "{legend}");
         assert!(legend.left() > scale.right(), "{size}: {legend} {scale}");
+    }
+}
+
+#[test]
+fn the_outline_of_the_implant_in_the_cross_section_has_no_spike() {
+    for chest in [None, Some(ChestShape::USUAL), Some(ChestShape::ROUND)] {
+        for shape in ["round", "anatomical"] {
+            let mut harness =
+                app(DESKTOP, |scene| Scene { chest, ..flat_plan() }.clone_into(scene));
+            press(&mut harness, shape);
+            settle(&mut harness);
+            for plane in ["midline to side", "feet to head"] {
+                press(&mut harness, plane);
+                let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
+                let shapes = harness.output().shapes.iter();
+                let is_outline = |shape: &&egui::epaint::ClippedShape| {
+                    let is_closed = matches!(&shape.shape, egui::Shape::Path(path) if path.closed);
+                    is_closed && strip.expand(1.0).contains_rect(shape.clip_rect)
+                };
+                let outlines: Vec<_> = shapes.filter(is_outline).cloned().collect();
+                let [outline] = &outlines[..] else { panic!("one outline") };
+                let place = outline.shape.visual_bounding_rect().expand(4.0);
+                for drawn in harness.ctx.tessellate(outlines.clone(), 1.0) {
+                    let egui::epaint::Primitive::Mesh(mesh) = drawn.primitive else { continue };
+                    let is_near = mesh.vertices.iter().all(|vertex| place.contains(vertex.pos));
+                    assert!(is_near, "{chest:?} {shape} {plane}: {} {place}", mesh.calc_bounds());
+                }
+            }
+        }
     }
 }
