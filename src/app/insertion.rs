@@ -18,6 +18,15 @@ const NODES: usize = 65;
 /// Numbers of the shapes start here, beyond those of any session.
 const REVISIONS: u64 = 1 << 48;
 
+/// A shape of the push has no answer.
+#[derive(Debug)]
+pub(super) struct NoAnswer;
+
+/// The insertion at the end of the push of a plan \[-\].
+fn last_of(scene: &Scene) -> f64 {
+    if scene.insertion > 0.0 { scene.insertion } else { 1.0 }
+}
+
 /// The playback of the insertion.
 #[derive(Default)]
 pub(super) struct Insertion {
@@ -40,6 +49,11 @@ impl Insertion {
         self.is_playing
     }
 
+    /// Are shapes of the push being solved?
+    pub(super) fn is_solving(&self) -> bool {
+        self.is_playing && self.shapes.len() <= STEPS
+    }
+
     /// Stops the playback.
     pub(super) fn stop(&mut self) {
         self.is_playing = false;
@@ -54,34 +68,35 @@ impl Insertion {
         }
     }
 
-    /// Advances the playback of a plan by a frame; another plan ends it. `pause` ends a slice of solving. Returns whether it goes
-    /// on.
+    /// Advances the playback of a plan by a frame; another plan ends it. `pause` ends a slice of solving.
+    ///
+    /// # Errors
+    /// Returns [`NoAnswer`], after which nothing is played, if a shape has no answer.
     pub(super) fn advance(
         &mut self,
         scene: &Scene,
         seconds: f32,
         pause: &mut dyn FnMut() -> bool,
-    ) -> bool {
-        if !self.is_playing || self.plan.as_ref() != Some(scene) {
-            self.is_playing = false;
-            return false;
+    ) -> Result<(), NoAnswer> {
+        self.is_playing &= self.plan.as_ref() == Some(scene);
+        if !self.is_playing {
+            return Ok(());
         }
         self.revision += 1;
-        if self.shapes.len() <= STEPS {
+        if self.is_solving() {
             self.is_playing = self.solve(scene, pause);
-        } else {
-            self.time += seconds;
-            self.is_playing = self.time < SECONDS;
+            return if self.is_playing { Ok(()) } else { Err(NoAnswer) };
         }
-        self.is_playing
+        self.time += seconds;
+        self.is_playing = self.time < SECONDS;
+        Ok(())
     }
 
     /// Solves a slice of the missing shapes. Returns `false` if a shape has no answer.
     fn solve(&mut self, scene: &Scene, pause: &mut dyn FnMut() -> bool) -> bool {
         let step = |step: usize| {
             let mut scene = scene.clone();
-            let last = if scene.insertion > 0.0 { scene.insertion } else { 1.0 };
-            scene.insertion = last * step as f64 / STEPS as f64;
+            scene.insertion = last_of(&scene) * step as f64 / STEPS as f64;
             scene.solver.nodes_per_side = scene.solver.nodes_per_side.min(NODES);
             scene
         };
@@ -113,6 +128,12 @@ impl Insertion {
         true
     }
 
+    /// The insertion of the shape of this frame in whole percent; `None` without one.
+    pub(super) fn percent(&self) -> Option<f64> {
+        let Between { scene, .. } = self.shown()?;
+        Some((100.0 * last_of(scene) * f64::from(self.time / SECONDS)).round())
+    }
+
     /// The shape of this frame; `None` while the shapes are being solved and without a playback.
     pub(super) fn shown(&self) -> Option<Between<'_>> {
         let is_played = self.is_playing && self.shapes.len() > STEPS;
@@ -137,8 +158,10 @@ mod tests {
         let mut insertion = Insertion::default();
         insertion.toggle(&scene);
         while insertion.shown().is_none() {
-            assert!(insertion.advance(&scene, 0.1, &mut || false));
+            assert!(insertion.is_solving() && insertion.percent().is_none());
+            insertion.advance(&scene, 0.1, &mut || false).unwrap();
         }
+        assert!(!insertion.is_solving());
         let height = |between: &Between<'_>| {
             let apex = |fields: &Rc<Fields>| {
                 let shape = fields.solution().inner();
@@ -148,11 +171,19 @@ mod tests {
             apex(between.fields()) * (1.0 - part) + apex(to) * part
         };
         let mut heights = vec![height(&insertion.shown().unwrap())];
-        let mut frames = 0;
-        while insertion.advance(&scene, 0.05, &mut || false) {
+        let (mut frames, mut percents) = (0, vec![insertion.percent().unwrap()]);
+        loop {
+            insertion.advance(&scene, 0.05, &mut || false).unwrap();
+            if !insertion.is_playing() {
+                break;
+            }
             heights.extend(insertion.shown().as_ref().map(height));
+            percents.extend(insertion.percent());
             frames += 1;
         }
+        assert_eq!((percents[0], percents.len()), (0.0, heights.len()));
+        assert!(percents.windows(2).all(|pair| pair[0] < pair[1]), "{percents:?}");
+        assert!(percents.iter().all(|p| p.fract() == 0.0 && *p <= 100.0), "{percents:?}");
         assert!((38..=41).contains(&frames), "{frames} frames of 0.05 s");
         assert!(heights.windows(2).all(|pair| pair[1] > pair[0]), "{heights:?}");
         assert!(
@@ -160,8 +191,10 @@ mod tests {
         );
         // Again without a solve; another plan stops it.
         insertion.toggle(&scene);
-        assert!(insertion.advance(&scene, 0.1, &mut || false) && insertion.shown().is_some());
+        insertion.advance(&scene, 0.1, &mut || false).unwrap();
+        assert!(insertion.shown().is_some());
         scene.implant.projection_mm += 1.0;
-        assert!(!insertion.advance(&scene, 0.1, &mut || false) && insertion.shown().is_none());
+        insertion.advance(&scene, 0.1, &mut || false).unwrap();
+        assert!(!insertion.is_playing() && insertion.shown().is_none());
     }
 }

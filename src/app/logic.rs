@@ -451,6 +451,10 @@ impl App {
         let since = if self.edits.was_paused { 0.0 } else { ctx.input(|input| input.stable_dt) };
         let (now, slice) = (Instant::now(), long_slice(ctx));
         let scene = self.shared.session.scene();
-        self.insertion.advance(scene, since.clamp(0.0, 0.2), &mut || now.elapsed() >= slice);
+        let mut pause = || now.elapsed() >= slice;
+        if self.insertion.advance(scene, since.clamp(0.0, 0.2), &mut pause).is_err() {
+            let words = tr("The insertion is not shown: a step of it has no answer.");
+            self.notice = Some(Notice::caution(words));
+        }
     }
 }

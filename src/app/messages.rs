@@ -182,8 +182,12 @@ pub(super) fn no_shape_box(ui: &Ui, area: Rect, add: impl FnOnce(&mut Ui)) {
 /// Words and a veil over the picture of a solve that has not ended.
 pub(super) fn provisional(ui: &Ui, area: Rect, displayed: Displayed) {
     veil(ui, area);
-    let words = tr!("Computing: {words}", words = words_of(displayed));
-    let _ = over(ui, area, "provisional", |ui| {
+    over_picture(ui, area, tr!("Computing: {words}", words = words_of(displayed)));
+}
+
+/// What is being computed, over the picture.
+pub(super) fn over_picture(ui: &Ui, area: Rect, words: impl Into<String>) {
+    let _ = over(ui, area, "computing", |ui| {
         ui.label(RichText::new(words).strong());
     });
 }

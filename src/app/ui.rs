@@ -3,6 +3,7 @@
 
 use super::action::{Action, Task};
 use super::curve_editor::CurveWindow;
+use super::insertion::Insertion;
 use super::messages::NoticeAction;
 use super::palette::Palette;
 use super::panel_widths::PanelWidths;
@@ -143,7 +144,7 @@ impl App {
     fn tissue(&mut self, ui: &mut Ui, scene: &mut Scene, hand: Hand) {
         let Self { insertion, actions, .. } = self;
         let push = |ui: &mut Ui, scene: &mut Scene| {
-            insertion_rows(ui, scene, insertion.is_playing(), actions);
+            insertion_rows(ui, scene, insertion, actions);
         };
         if let Some(layer) = advanced::tissue(ui, scene, hand, push) {
             self.windows.curve_window = CurveWindow::new(scene, layer);
@@ -407,7 +408,9 @@ impl App {
                 self.shared.viewport.show(ui, Shown { outlines: &outlines, ..shown });
             }
             let has_shape = !self.shared.session.has_no_shape() && self.insertion.shown().is_none();
-            if has_shape && self.shared.is_provisional() {
+            if self.insertion.is_solving() {
+                messages::over_picture(ui, area, tr("Computing the insertion…"));
+            } else if has_shape && self.shared.is_provisional() {
                 messages::provisional(ui, area, self.shared.session.displayed());
             }
             if has_shape {
@@ -436,13 +439,19 @@ impl App {
     }
 }
 
-/// The button that plays the insertion, and the insertion's slider.
-fn insertion_rows(ui: &mut Ui, scene: &mut Scene, is_playing: bool, actions: &mut Vec<Action>) {
-    let name = if is_playing { tr("Pause") } else { tr("Show insertion") };
+/// The button that plays the insertion, and the slider of the insertion in the picture.
+fn insertion_rows(
+    ui: &mut Ui,
+    scene: &mut Scene,
+    insertion: &Insertion,
+    actions: &mut Vec<Action>,
+) {
+    let name = if insertion.is_playing() { tr("Pause") } else { tr("Show insertion") };
     if ui.button(name).on_hover_text(tr!("{name} (space)", name)).clicked() {
         actions.push(Action::Run(Task::Play));
     }
-    let (slider, mut percent) = plan::insertion(scene);
+    let (slider, percent) = plan::insertion(scene);
+    let mut percent = insertion.percent().unwrap_or(percent);
     if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
         plan::set_insertion(scene, percent);
     }

@@ -122,7 +122,7 @@ fn height(harness: &Harness<'static, App>) -> f32 {
 fn the_push_is_watched_unfaded_and_changes_neither_plan_nor_answer() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");
-    wait_for_practice(&mut harness);
+    wait_for_studies(&mut harness);
     let (scene, whole) = (harness.state().session().scene().clone(), height(&harness));
     let solves = harness.state().session().counters().solves;
     let answer = |harness: &Harness<'static, App>| {
@@ -131,22 +131,34 @@ fn the_push_is_watched_unfaded_and_changes_neither_plan_nor_answer() {
     };
     let (cards, summary) = (answer(&harness), harness.state().summary());
     harness.get_by_role_and_label(Role::Button, "Show insertion").click();
-    let mut heights = Vec::new();
+    let (mut heights, mut percents) = (Vec::new(), Vec::new());
     let mut time = harness.ctx.input(|input| input.time);
     for _ in 0..2000 {
         time += 0.04;
         harness.input_mut().time = Some(time);
         harness.step();
-        if harness.query_by_label("Pause").is_none() && !heights.is_empty() {
+        if harness.query_by_label("Pause").is_none() {
+            if heights.is_empty() {
+                continue;
+            }
             break;
         }
         heights.push(height(&harness));
         assert_eq!(harness.state().session().scene(), &scene);
         assert_eq!((answer(&harness), harness.state().summary()), (cards, summary.clone()));
-        assert!(harness.query_by_label_contains("Computing").is_none(), "faded");
-        let field = harness.get_by_role_and_label(Role::SpinButton, "In place (%)");
-        assert_eq!(field.value().as_deref(), Some("100"));
+        assert!(harness.query_by_label_contains("Computing:").is_none(), "faded");
+        let of = |role| harness.get_by_role_and_label(role, "In place (%)");
+        let percent = of(Role::SpinButton).value().unwrap();
+        assert_eq!(of(Role::Slider).accesskit_node().numeric_value(), percent.parse().ok());
+        match harness.query_by_label("Computing the insertion…") {
+            // Said from the first frame on; the picture stands still.
+            Some(_) => assert_eq!(percent, "100"),
+            None => percents.push(percent.parse::<u32>().unwrap()),
+        }
     }
+    // From flat to in place.
+    assert!(percents.windows(2).all(|pair| pair[0] <= pair[1]), "{percents:?}");
+    assert!(percents[0] < 10 && percents[percents.len() - 1] > 90, "{percents:?}");
     harness.run();
     let least = heights.iter().copied().fold(f32::MAX, f32::min);
     assert!(least < 0.5 * whole, "{least} of {whole}");
