@@ -34,6 +34,8 @@ mod form;
 mod frames;
 #[path = "screens/hands.rs"]
 mod hands;
+#[path = "screens/long_solve.rs"]
+mod long_solve;
 #[path = "screens/no_answer.rs"]
 mod no_answer;
 #[path = "screens/notices.rs"]
@@ -1686,48 +1688,6 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     assert!(
         (warning.left() - numbers.left()).abs() < 40.0 && warning.bottom() <= numbers.top() + 1.0
     );
-}
-
-#[test]
-fn a_long_solve_shows_its_progress_and_can_be_cancelled() {
-    let mut harness = app(WIDE, |_| {});
-    let before = harness.state().session().scene().clone();
-    let mut long = before.clone();
-    long.set_springs(Springs::Nikolaev);
-    long.solver.nodes_per_side = 513;
-    let edit = |harness: &mut Harness<'static, App>, scene: &Scene| {
-        harness.state_mut().open(scene.to_json()).unwrap();
-        let start = std::time::Instant::now();
-        while harness.query_all_by_role_and_label(Role::Button, "Cancel").count() == 0 {
-            harness.step();
-            assert!(start.elapsed().as_secs() < 60, "no progress is shown");
-        }
-    };
-    focus_picture(&mut harness);
-    edit(&mut harness, &long);
-    harness.get_by_role_and_label(Role::ProgressIndicator, "Progress of the solve");
-    // Keys still act on the picture.
-    assert!(harness.get_by_role_and_label(Role::Canvas, "3-D view").is_focused());
-    // The previous figures are removed.
-    harness.step();
-    assert_eq!(harness.query_all_by_label("longer, at most").count(), 1);
-    assert_eq!(harness.query_all_by_label("usual").count(), 0);
-    harness.get_by_role_and_label(Role::Button, "Cancel").click();
-    settle(&mut harness);
-    assert_eq!(harness.state().session().scene(), &before);
-    assert!(harness.state().outcome().is_some() && harness.state().session().can_redo());
-    // Without a previous valid scene the solve stops and can be continued.
-    let app = App::new(&egui::Context::default(), None, long.clone(), beside_window).unwrap();
-    let mut harness = window(WIDE, 1, app);
-    edit(&mut harness, &long);
-    harness.get_by_role_and_label(Role::Button, "Cancel").click();
-    (0..3).for_each(|_| harness.step());
-    assert!(!harness.state().session().is_working());
-    assert_eq!(harness.state().outcome(), None);
-    assert!(harness.state().summary().starts_with("Stopped"));
-    harness.get_by_role_and_label(Role::Button, "Continue computing").click();
-    (0..3).for_each(|_| harness.step());
-    assert!(harness.state().session().is_working());
 }
 
 fn press(harness: &mut Harness<'static, App>, button: &str) {

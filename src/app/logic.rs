@@ -11,7 +11,7 @@ use super::{App, Panels, commands, keys, opened, plan, research, theme, toolbar}
 use crate::clinical::is_practice_table;
 use crate::measure::no_shape;
 use crate::scene::Scene;
-use crate::session::{Command, CommandError, Pin};
+use crate::session::{Command, CommandError, Pin, Session};
 use crate::solve::Progress;
 use crate::view::camera::View;
 use eframe::egui::{self, Key, Modifiers, Rect, Ui};
@@ -146,12 +146,13 @@ impl App {
             return;
         }
         let now = Instant::now();
-        let running = self.shared.solving.unwrap_or(RunningSolve { start: now, fraction: 0.0 });
+        let first = RunningSolve { since: now, start: now, fraction: 0.0 };
+        let running = self.shared.solving.unwrap_or(first);
         // The app is of no use before its first shape.
-        let is_opening = self.shared.session.outcome().is_none() && running.start == now;
+        let is_opening = self.shared.session.outcome().is_none() && running.since == now;
         let slice = if is_opening {
             FIRST_SLICE
-        } else if running.start.elapsed() > LONG {
+        } else if running.since.elapsed() > LONG {
             long_slice(ctx)
         } else {
             SLICE
@@ -213,29 +214,48 @@ impl App {
         self.shared.session.advance_pins(&mut || now.elapsed() >= slice);
     }
 
-    /// Cancels the running solve and restores the previous scene, if there is one.
+    /// Cancels the running solve and restores the previous scene, if there is one. A pin that waits for this solve is removed.
     pub(super) fn cancel(&mut self) {
-        self.shared.session.cancel();
+        let session = &mut self.shared.session;
+        let waits =
+            |pin: &&Pin| pin.outcome().is_none() && pin.scene().same_physics(session.scene());
+        let waiting = session.pins().iter().find(waits).map(Pin::letter);
+        session.cancel();
+        let removed = waiting.filter(|letter| session.apply(Command::Unpin(*letter)).is_ok());
         self.edits.is_scene_replaced = true;
         self.insertion.stop();
         self.shared.solving = None;
         self.shared.timing.solve_ms = 0.0;
-        self.notice = (!self.shared.session.is_stopped()).then(|| {
-            Notice::info(tr(
-                "Cancelled. The previous plan is open; Redo computes the cancelled one again.",
-            ))
-        });
+        let mut words = Vec::new();
+        if !self.shared.session.is_stopped() {
+            words.push(
+                tr("Cancelled. The previous plan is open; Redo computes the cancelled one again.")
+                    .to_owned(),
+            );
+        }
+        words.extend(
+            removed.map(|letter| tr!("Pin {letter} of the cancelled plan is removed.", letter)),
+        );
+        self.notice = (!words.is_empty()).then(|| Notice::info(words.join(" ")));
     }
 
     /// Applies a command to the session.
     pub(super) fn apply(&mut self, command: Command) -> Result<(), CommandError> {
-        let before = self.shared.session.revision();
+        let counted = |session: &Session| (session.revision(), session.counters().solves);
+        let before = counted(&self.shared.session);
         self.shared.session.apply(command)?;
         self.notice = None;
         self.edits.is_scene_replaced = true;
-        if self.shared.session.revision() != before {
+        let now = counted(&self.shared.session);
+        if now != before {
             self.shared.timing.solve_ms = 0.0;
+        }
+        if now.0 != before.0 {
             self.shared.solving = None;
+        } else if now.1 != before.1
+            && let Some(running) = &mut self.shared.solving
+        {
+            (running.start, running.fraction) = (Instant::now(), 0.0);
         }
         Ok(())
     }

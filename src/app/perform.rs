@@ -150,12 +150,17 @@ impl App {
 
     /// Executes a command of the session and reports its error, if any.
     pub(super) fn execute(&mut self, command: Command) {
-        if let Err(error) = self.apply(command) {
-            let notice = match error {
-                CommandError::Pinned(_) => Notice::info,
-                _ => Notice::error,
-            };
-            self.notice = Some(notice(error.to_string()));
+        let is_pin = matches!(command, Command::Pin);
+        match self.apply(command) {
+            Ok(()) if is_pin && self.shared.session.is_working() => {
+                let words = tr("The plan is pinned; its numbers come once it is solved.");
+                self.notice = Some(Notice::info(words));
+            }
+            Ok(()) => {}
+            Err(error @ CommandError::Pinned(_)) => {
+                self.notice = Some(Notice::info(error.to_string()));
+            }
+            Err(error) => self.notice = Some(Notice::error(error.to_string())),
         }
     }
 

@@ -20,6 +20,9 @@ const PROVISIONAL: Duration = Duration::from_secs(1);
 /// A solve in progress.
 #[derive(Clone, Copy)]
 pub(super) struct RunningSolve {
+    /// Start of the first solve of several without a shape in between: of a drag of a slow plan, say.
+    pub(super) since: Instant,
+    /// Start of the solve of the present plan.
     pub(super) start: Instant,
     /// Completed fraction \[-\], 0 to 1.
     pub(super) fraction: f64,
@@ -54,10 +57,10 @@ impl Shared {
         self.chosen_plane.unwrap_or_else(|| SectionPlane::of(self.session.scene()))
     }
 
-    /// Has a solve been running for more than a time?
+    /// Have solves been running for more than a time, without a shape in between?
     fn is_solving_for(&self, time: Duration) -> bool {
         self.session.is_working()
-            && self.solving.is_some_and(|running| running.start.elapsed() > time)
+            && self.solving.is_some_and(|running| running.since.elapsed() > time)
     }
 
     /// Is a long solve in progress?
