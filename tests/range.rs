@@ -10,7 +10,7 @@ use eframe::egui::{self, Pos2, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use implant_preview::app::App;
-use implant_preview::clinical::Size;
+use implant_preview::clinical::{Shelf, Size};
 use implant_preview::platform::runner::beside_window;
 use implant_preview::scene::{Scene, TissueModel};
 use implant_preview::study::{Axis, Case, Job, Map, MapSettings, Quantity, evaluate};
@@ -41,6 +41,11 @@ fn range_of(scene: Scene, size: egui::Vec2) -> Harness<'static, App> {
     app.restore_research(Some("on"));
     let mut harness = window(size, 400, app);
     settle(&mut harness);
+    open_range(&mut harness, size);
+    harness
+}
+
+fn open_range(harness: &mut Harness<'static, App>, size: egui::Vec2) {
     if size == PHONE {
         harness.get_by_role_and_label(Role::Button, "View").click();
         harness.run_steps(2);
@@ -48,7 +53,6 @@ fn range_of(scene: Scene, size: egui::Vec2) -> Harness<'static, App> {
     harness.get_by_role_and_label(Role::Button, "Range of implants").click();
     harness.step();
     harness.step();
-    harness
 }
 
 /// Runs until no solve of the app is running.
@@ -141,6 +145,32 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
     harness.get_by_role_and_label(Role::Button, "Picture").click();
     harness.run();
     harness.get_by_role_and_label(Role::Canvas, "3-D view");
+}
+
+#[test]
+fn the_progress_goes_when_the_chart_is_computed_and_nothing_moves() {
+    for size in [DESKTOP, PHONE] {
+        let mut app = App::new(&egui::Context::default(), None, sheet(), beside_window).unwrap();
+        let shelf = Shelf::from_csv("Name;Width (cm);Projection (cm)\nMM-240;11.5;3.9").unwrap();
+        app.restore_shelf(&shelf.to_csv());
+        let mut harness = window(size, 400, app);
+        settle(&mut harness);
+        open_range(&mut harness, size);
+        let chart = |harness: &Harness<'static, App>| {
+            harness.get_by_role_and_label(Role::Canvas, CHART).rect()
+        };
+        // The longest words of a phone.
+        wait_for(&mut harness, " of 289 plans computed. The pocket keeps its margin. White dots");
+        harness.run_steps(3);
+        let before = chart(&harness);
+        let start = Instant::now();
+        while harness.query_by_label_contains(" plans computed.").is_some() {
+            assert!(start.elapsed() < Duration::from_secs(240), "the chart is not computed");
+            harness.step();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert_eq!(chart(&harness), before);
+    }
 }
 
 #[test]
@@ -442,6 +472,36 @@ fn a_size_of_a_maker_keeps_volume_and_name_until_an_edit_of_its_size() {
     harness.run_steps(2);
     let scene = harness.state().session().scene();
     assert_eq!((scene.implant.fullness(), &*scene.implant_reference), (0.55, "Flat · 200 cc"));
+}
+
+#[test]
+fn the_next_start_and_a_link_have_the_name_of_the_size() {
+    let mut harness = range_of(layered(), DESKTOP);
+    let table = "Reference;Width (cm);Height (cm);Projection (cm);Volume (cc)\n\
+                 MM-240;11,5;;3,9;240\nAN-285;12;10,8;4,3;285";
+    paste_table(&mut harness, table);
+    take_sizes(&mut harness, 2);
+    for name in ["MM-240 · 240 cc", "AN-285 · 285 cc"] {
+        harness.get_by_role_and_label(Role::Button, &format!("Take {name}")).click();
+        harness.run_steps(2);
+        settle(&mut harness);
+        let scene = harness.state().session().scene().clone();
+        assert_eq!(scene.implant_reference, name);
+        let kept = harness.state_mut().take_plan_to_store(true).unwrap();
+        let mut next = range_of(layered(), DESKTOP);
+        next.state_mut().restore_plan(&kept);
+        next.run_steps(3);
+        settle(&mut next);
+        assert_eq!(next.state().session().scene(), &scene);
+        next.get_by_label(name);
+        let link = harness.state().session().shared_document_json();
+        let mut other = range_of(layered(), DESKTOP);
+        other.state_mut().open(link).unwrap();
+        other.run_steps(3);
+        settle(&mut other);
+        assert_eq!(other.state().session().scene(), &scene);
+        other.get_by_label(name);
+    }
 }
 
 #[test]
