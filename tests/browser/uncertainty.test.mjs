@@ -30,7 +30,7 @@ async function press(page, name) {
 
 /** Opens the fold, reduces the samples and switches the section on by the keyboard. */
 async function showUnknown(page) {
-  await press(page, "What is not known");
+  await press(page, "Uncertainty");
   await typeInto(page, "Sampled patients", String(SAMPLES));
   await press(page, SWITCH);
 }

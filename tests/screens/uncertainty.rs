@@ -7,6 +7,7 @@ use implant_preview::study::{
     Band, Bands, BandsSettings, Cases, Practice, Quantity, Study, Unknown, UsualRange, evaluate,
 };
 
+const FOLD: &str = "Uncertainty";
 const SWITCH: &str = "Show what is not known";
 const DONE: &str = "16 sampled patients.";
 const FIGURES: [Quantity; 2] = [Quantity::GreatestStrain, Quantity::GreatestPressureMmhg];
@@ -20,7 +21,7 @@ fn sampled(size: egui::Vec2) -> Harness<'static, App> {
     if size == PHONE {
         super::press(&mut harness, "More");
     }
-    press(&mut harness, "What is not known");
+    press(&mut harness, FOLD);
     type_into(&mut harness, "Sampled patients", "16");
     press(&mut harness, SWITCH);
     wait(&mut harness);
@@ -76,14 +77,20 @@ fn figure(harness: &Harness<'static, App>, quantity: Quantity) -> String {
     if unit == "mmHg" { pressure(value) } else { format!("{value:.0} {unit}") }
 }
 
+/// The range of a band as a card has it.
+fn range(band: &Band) -> String {
+    let (factor, unit) = band.quantity.display();
+    let [low, high] = [band.p10, band.p90].map(|value| factor * value);
+    let is_over = unit == "mmHg" && high > 100.0;
+    let high = if is_over { " to over 100".to_owned() } else { format!("–{high:.0}") };
+    format!("{low:.0}{high}")
+}
+
 /// Are the figures those of the plan, and the brackets beside them those of the study?
 fn assert_cards(harness: &Harness<'static, App>, bands: &[Band]) {
     for quantity in FIGURES {
-        let Band { p10, p90, .. } = band(bands, quantity);
-        let [low, high] = [p10, p90].map(|value| quantity.display().0 * value);
-        let is_over = quantity.display().1 == "mmHg" && high > 100.0;
-        let range = if is_over { " to over 100".to_owned() } else { format!("–{high:.0}") };
-        let (figure, range) = (figure(harness, quantity), format!("({low:.0}{range}) "));
+        let (figure, range) =
+            (figure(harness, quantity), format!("({}) ", range(band(bands, quantity))));
         assert!(harness.query_all_by_label(&figure).count() > 0, "{figure}");
         assert!(harness.query_all_by_label_contains(&range).count() > 0, "{range}");
     }
@@ -109,7 +116,7 @@ fn the_verdict_is_that_of_the_plan_with_and_without_bands() {
     harness.run();
     let before = (sentence(&harness), words(&harness));
     assert_eq!(before.0.len(), 1, "{before:?}");
-    press(&mut harness, "What is not known");
+    press(&mut harness, FOLD);
     type_into(&mut harness, "Sampled patients", "16");
     press(&mut harness, SWITCH);
     wait(&mut harness);
@@ -167,7 +174,7 @@ fn a_plan_at_rest_has_the_shares_and_bands_of_a_few_patients() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     let height = |harness: &Harness<'static, App>| {
         let top = |label| harness.get_by_label(label).rect().top();
-        top(SWITCH) - top("Cover over implant")
+        top(FOLD) - top("Cover over implant")
     };
     let before = height(&harness);
     let few = BandsSettings { importance_rows: 0, ..settings() };
@@ -248,7 +255,11 @@ fn bands_are_those_of_the_study_and_stand_beside_every_number() {
     let count = harness.query_all_by_label("    8 in 10 patients").count();
     assert_eq!(count, of_results.clone().count());
     for band in of_results {
-        assert!(harness.query_all_by_label(band.range()).count() > 0, "{}", band.text);
+        let text = match band.quantity.display().1 {
+            "mmHg" => range(band),
+            _ => band.range().to_owned(),
+        };
+        assert!(harness.query_all_by_label(&text).count() > 0, "{}: {text}", band.text);
     }
     let sampled = "skin of 8 in 10 sampled patients";
     assert!(painted_texts(&harness).iter().any(|text| text == sampled));

@@ -97,11 +97,10 @@ impl Uncertainty {
         self.pins.advance(session, |scene| self.choices.settings(scene), studies, is_free);
     }
 
-    /// Reads the importance for the chart's quantity, greatest first: empty before all patients are solved.
+    /// Reads the importance for the chart's quantity, greatest first: empty before the study ends, half of it is none.
     fn explain(&mut self) {
         self.importance.clear();
-        let is_sampled = self.all.findings.is_sampled();
-        let Some(study) = self.all.driver.study().filter(|_| is_sampled) else { return };
+        let Some(study) = self.all.driver.finished() else { return };
         let unknowns = study.unknowns().iter().map(|(unknown, _)| *unknown);
         let found = unknowns.zip(study.importance(self.explained));
         self.importance.extend(found.filter_map(|(unknown, index)| Some((unknown, index?))));
@@ -307,6 +306,14 @@ mod tests {
         assert!(frames.uncertainty.findings().is_some());
         frames.until(|frames| frames.in_cards() != Some(FEW));
         assert_eq!(frames.in_cards(), Some(32));
+        // The importance takes longer: nothing of it is shown before its end.
+        frames.until(|frames| {
+            let (done, all) = frames.uncertainty.progress();
+            done < all && done > (32 + all) / 2
+        });
+        assert!(frames.uncertainty.importance.is_empty());
+        frames.until(|frames| frames.uncertainty.all.driver.finished().is_some());
+        assert!(!frames.uncertainty.importance.is_empty());
         let (_, reused) = solved_and_reused(&frames.studies);
         assert_eq!(reused, FEW);
         // Off, the few are there at once.

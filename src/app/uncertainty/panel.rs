@@ -4,7 +4,7 @@ use super::{Findings, Uncertainty, chart, has_answer};
 use crate::app::research;
 use crate::app::texts::{fixed, localized, pressure, pressures, tr};
 use crate::app::theme::{self, SPACE, SPACE_SMALL};
-use crate::app::widgets::{group, rejection_label, remark, set_accessible_name};
+use crate::app::widgets::{rejection_label, remark, set_accessible_name};
 use crate::measure::Outcome;
 use crate::session::Session;
 use crate::study::{Band, NOTES, PointStatus, Quantity, Scenario};
@@ -23,9 +23,10 @@ pub(super) const ANSWER: [(Quantity, &str); 3] = [
 ];
 
 impl Uncertainty {
-    /// Shows the section.
+    /// Shows the section, a closed fold at first.
     pub(in crate::app) fn show(&mut self, ui: &mut Ui, session: &Session) {
-        group(ui, tr("Uncertainty"), |ui| {
+        let title = RichText::new(tr("Uncertainty")).strong();
+        egui::CollapsingHeader::new(title).show_unindented(ui, |ui| {
             ui.checkbox(&mut self.is_on, tr("Show what is not known")).on_hover_text(
                 tr("The tissue of a person is never known exactly. The program repeats the computation for many \
                  patients who could have these measurements, and shows how far their answers lie apart."),
@@ -37,12 +38,11 @@ impl Uncertainty {
                     self.bands(ui, session);
                 }
             }
-            egui::CollapsingHeader::new(tr("What is not known"))
-                .id_salt("unknowns")
-                .show_unindented(ui, |ui| {
-                    self.choices.show(ui, session.scene());
-                    remark(ui, tr(INDEPENDENT));
-                });
+            ui.add_space(SPACE_SMALL);
+            ui.label(RichText::new(tr("What is not known")).strong());
+            self.choices.show(ui, session.scene());
+            remark(ui, tr(INDEPENDENT));
+            ui.add_space(SPACE_SMALL);
         });
     }
 
