@@ -125,7 +125,7 @@ impl Handles {
             if drag.is_some() {
                 let painter = ui.painter_at(area);
                 let lines = about_drag(scene, kind, choices);
-                labelled_box(ui, &painter, area, (at, tr("Drag")), &lines);
+                labelled_box(ui, (&painter, area, &[]), (at, tr("Drag")), &lines);
             }
         }
         viewport.paint_handles(ui, shapes);

@@ -3,7 +3,7 @@
 
 use super::texts::tr;
 use super::theme;
-use super::viewport::veil;
+use super::viewport::{lower_edge, veil};
 use super::widgets::set_accessible_name;
 use crate::scene::{Scene, Springs};
 use crate::solve::Displayed;
@@ -217,9 +217,11 @@ pub(super) fn standard_model(ui: &mut Ui, scene: &mut Scene) {
     }
 }
 
-/// A box at the middle of the lower edge of an area, over what is there. Returns the place of the box.
+/// A box over the middle of the lower part of an area, above what stands at the lower edge of a picture. Returns the place of
+/// the box.
 fn over(ui: &Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) -> Rect {
-    let inner = area.shrink(2.0 * theme::SPACE);
+    let bottom = (area.bottom() - lower_edge(area)).max(area.center().y);
+    let inner = area.with_max_y(bottom).shrink(2.0 * theme::SPACE);
     let id = egui::Id::unique(name);
     let before = ui.ctx().memory(|memory| memory.area_rect(id));
     let shown = egui::Area::new(id)

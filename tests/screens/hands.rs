@@ -456,3 +456,29 @@ fn the_list_opens_from_a_number_field_also_in_the_frame_of_its_enter_key() {
     settle(&mut harness);
     assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
 }
+
+#[test]
+fn the_reading_of_the_ruler_keeps_off_that_of_the_kept_point() {
+    let mut harness = desktop();
+    let skin = on_skin(&harness);
+    for (kept, ends) in [
+        (vec2(-20.0, 10.0), [vec2(-60.0, 30.0), vec2(20.0, -2.0)]),
+        (vec2(-40.0, 30.0), [vec2(-60.0, 30.0), vec2(-20.0, 20.0)]),
+        (vec2(10.0, -2.0), [vec2(-30.0, 10.0), vec2(-10.0, 5.0)]),
+    ] {
+        click(&mut harness, skin + kept);
+        focus_picture(&mut harness);
+        harness.key_press(Key::R);
+        harness.run();
+        for end in ends {
+            click(&mut harness, skin + end);
+        }
+        let [kept, ruler] = ["Kept values: ", "Ruler: Straight"]
+            .map(|name| harness.get_by_label_contains(name).rect());
+        assert!(!kept.intersects(ruler), "{kept} {ruler}");
+        assert!(picture(&harness).contains_rect(ruler), "{ruler}");
+        harness.key_press(Key::R);
+        harness.key_press(Key::Escape);
+        harness.run();
+    }
+}

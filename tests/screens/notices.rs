@@ -78,3 +78,29 @@ fn a_notice_is_whole_after_a_resize() {
         assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size}");
     }
 }
+
+#[test]
+fn a_notice_covers_neither_scale_bar_nor_legend_nor_the_words_of_the_directions() {
+    for size in [DESKTOP, egui::vec2(1024.0, 768.0), PHONE] {
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        press(&mut harness, "Stretch");
+        harness.state_mut().notify(OPENED);
+        harness.run_steps(3);
+        let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+        let notice = harness.get_by_label(OPENED).rect().expand(8.0);
+        assert!(view.contains_rect(notice), "{size}: {notice} {view}");
+        let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+            egui::Shape::Text(text) => Some((text.galley.text(), text.visual_bounding_rect())),
+            _ => None,
+        });
+        let on_picture = texts.filter(|(_, rect)| view.contains_rect(*rect));
+        let is_covered = |(text, rect): &(&str, egui::Rect)| {
+            let is_kept = ["head", "feet", "midline", "side"].contains(text)
+                || text.ends_with(" cm")
+                || text.starts_with("Skin stretch [");
+            is_kept && rect.intersects(notice)
+        };
+        let covered: Vec<_> = on_picture.filter(is_covered).collect();
+        assert!(covered.is_empty(), "{size}: {covered:?} {notice}");
+    }
+}

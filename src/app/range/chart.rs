@@ -275,7 +275,7 @@ impl Chart {
                 .accesskit_node_builder(response.id, |node| node.set_value(lines.join("; ")));
             ring(ui, at);
             lines.push(tr("Click takes this size").to_owned());
-            pointer_box(ui, ui.painter(), ui.max_rect(), at, &lines);
+            pointer_box(ui, ui.painter(), ui.max_rect(), at, &lines, &sizes.marks(plane));
             return;
         }
         let x = map.axes().first().map_or(0.0, |axis| axis.value(i));
@@ -295,7 +295,7 @@ impl Chart {
         } else if hovered.is_some() && by_keys.is_none() {
             lines.push(device.words(tr("Click takes this implant")));
         }
-        pointer_box(ui, ui.painter(), ui.max_rect(), at, &lines);
+        pointer_box(ui, ui.painter(), ui.max_rect(), at, &lines, &[]);
     }
 }
 

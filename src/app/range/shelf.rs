@@ -11,7 +11,7 @@ use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Draft, HALF_ELLIPSOID, Shelf, ShelfSize};
 use crate::scene::{Field, Scene};
 use crate::study::{JudgedMap, Map, Parameter, with_values};
-use eframe::egui::{self, Color32, Painter, Pos2, RichText, Stroke, Ui};
+use eframe::egui::{self, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, Vec2};
 
 /// Radius of a dot, and distance of a pointer that means the dot \[points\].
 const RADIUS: f32 = 3.5;
@@ -88,6 +88,12 @@ impl Sizes {
             let ring = Stroke::new(1.0, Color32::from_black_alpha(190));
             painter.circle(plane.at(dot.at), RADIUS, Color32::WHITE, ring);
         }
+    }
+
+    /// The dots on the screen.
+    pub(super) fn marks(&self, plane: &Plane) -> Vec<Rect> {
+        let size = Vec2::splat(2.0 * RADIUS);
+        self.dots.iter().map(|dot| Rect::from_center_size(plane.at(dot.at), size)).collect()
     }
 
     /// Index of the size at a point of the screen.

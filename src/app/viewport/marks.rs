@@ -70,6 +70,8 @@ pub(super) struct Marked<'a, S: Subject> {
     pub(super) picture: &'a Picture,
     pub(super) subject: &'a S,
     pub(super) section: Section,
+    /// What no box covers.
+    pub(super) taken: &'a [Rect],
 }
 
 impl Viewport {
@@ -109,7 +111,8 @@ impl Viewport {
     ) -> Option<Click> {
         let area = response.rect;
         let painter = ui.painter_at(area);
-        let kept = self.show_kept(ui, &painter, area, marked);
+        let (kept, kept_box) = self.show_kept(ui, &painter, area, marked).unzip();
+        let taken: Vec<Rect> = marked.taken.iter().copied().chain(kept_box).collect();
         let pointer =
             if response.clicked() { response.interact_pointer_pos() } else { response.hover_pos() };
         let pointer = pointer.filter(|_| !response.dragged() && !Self::is_busy(marked));
@@ -120,11 +123,12 @@ impl Viewport {
         });
         let place = hit.and_then(|hit| place_of(&hit, marked.picture));
         let is_skin = place.is_some_and(|place| place.depth <= 0.0);
-        self.show_ruler(ui, &painter, area, marked, place.filter(|_| is_skin));
+        self.show_ruler(ui, (&painter, area, &taken), marked, place.filter(|_| is_skin));
         let (pointer, hit) = pointer.zip(hit)?;
         let is_kept = kept.is_some_and(|kept| kept.distance(pointer) < SAME) && !self.has_ruler();
         if !is_kept && !self.has_ruler() {
-            show_values(ui, &painter, area, pointer, &hit, marked.picture, marked.subject.scene());
+            let (picture, scene) = (marked.picture, marked.subject.scene());
+            show_values(ui, (&painter, area, &taken), pointer, &hit, picture, scene);
         }
         match (response.clicked(), is_kept) {
             (false, _) => None,
@@ -143,7 +147,7 @@ impl Viewport {
         hit: &Hit,
         scene: &Scene,
     ) -> Option<Place> {
-        show_values(ui, &ui.painter_at(area), area, pointer, hit, &self.picture, scene);
+        show_values(ui, (&ui.painter_at(area), area, &[]), pointer, hit, &self.picture, scene);
         place_of(hit, &self.picture)
     }
 
@@ -152,14 +156,14 @@ impl Viewport {
         self.marks.kept = Some(place);
     }
 
-    /// Shows the values of the kept point. Returns where the point is.
+    /// Shows the values of the kept point. Returns the places of the point and of its box.
     fn show_kept(
         &self,
         ui: &Ui,
         painter: &Painter,
         area: Rect,
         marked: &Marked<'_, impl Subject>,
-    ) -> Option<Pos2> {
+    ) -> Option<(Pos2, Rect)> {
         let place = self.marks.kept?;
         let sheet = &marked.picture.fields.as_ref()?.solution().problem().sheet();
         let at = self.point(place.position(sheet, &marked.picture.body)?, area)?;
@@ -168,16 +172,15 @@ impl Viewport {
         }
         dot(ui, painter, at);
         let lines = lines(ui, None, Some(place), marked.picture, marked.subject.scene());
-        labelled_box(ui, painter, area, (at, tr("Kept values")), &lines);
-        Some(at)
+        let canvas = (painter, area, marked.taken);
+        Some((at, labelled_box(ui, canvas, (at, tr("Kept values")), &lines)))
     }
 
     /// Shows the ruler; `next`: the point of the skin at the pointer.
     fn show_ruler(
         &self,
         ui: &Ui,
-        painter: &Painter,
-        area: Rect,
+        (painter, area, taken): Canvas<'_>,
         marked: &Marked<'_, impl Subject>,
         next: Option<Place>,
     ) {
@@ -208,7 +211,8 @@ impl Viewport {
         }
         let [Some(p), Some(q)] = measured.ends.map(|end| self.point(end, area)) else { return };
         painter.extend(Shape::dashed_line(&[p, q], Stroke::new(1.5, line.color), 5.0, 4.0));
-        labelled_box(ui, painter, area, (p.lerp(q, 0.5), tr("Ruler")), &measured.words());
+        let canvas = (painter, area, taken);
+        labelled_box(ui, canvas, (p.lerp(q, 0.5), tr("Ruler")), &measured.words());
     }
 }
 
@@ -263,19 +267,18 @@ fn place_of(hit: &Hit, picture: &Picture) -> Option<Place> {
 /// Shows the values at a hit beside the pointer.
 fn show_values(
     ui: &Ui,
-    painter: &Painter,
-    area: Rect,
+    canvas: Canvas<'_>,
     pointer: Pos2,
     hit: &Hit,
     picture: &Picture,
     scene: &Scene,
 ) {
-    ring(ui, painter, pointer);
+    ring(ui, canvas.0, pointer);
     let fields = picture.fields.as_deref();
     let device = Device::of(ui.ctx());
     let heading = fields.and_then(|fields| readout::heading(hit, fields, scene, device));
     let lines = lines(ui, heading, place_of(hit, picture), picture, scene);
-    labelled_box(ui, painter, area, (pointer, tr("Values at the pointer")), &lines);
+    labelled_box(ui, canvas, (pointer, tr("Values at the pointer")), &lines);
 }
 
 /// The lines of a box: what is there, and the values.
@@ -293,20 +296,23 @@ fn lines(
     heading.into_iter().chain(values.into_iter().flatten()).collect()
 }
 
-/// Shows a box beside a point, with its content as an accessible name.
+/// Where boxes are drawn: painter, area, and what no box covers.
+type Canvas<'a> = (&'a Painter, Rect, &'a [Rect]);
+
+/// Shows a box beside a point, with its content as an accessible name. Returns its place.
 pub(crate) fn labelled_box(
     ui: &Ui,
-    painter: &Painter,
-    area: Rect,
+    (painter, area, taken): Canvas<'_>,
     (at, name): (Pos2, &str),
     lines: &[String],
-) {
+) -> Rect {
     if lines.is_empty() {
-        return;
+        return Rect::NOTHING;
     }
-    let rect = pointer_box(ui, painter, area, at, lines);
+    let rect = pointer_box(ui, painter, area, at, lines, taken);
     let response = ui.interact(rect, ui.scope_id().with((area.min.x as i32, name)), Sense::hover());
     set_accessible_name(&response, Role::Label, &format!("{name}: {}", lines.join("; ")));
+    rect
 }
 
 /// A line of text over the lower edge of the picture.

@@ -15,7 +15,7 @@ mod torso;
 pub(crate) use envelope::Outline;
 pub(crate) use marks::labelled_box;
 pub(crate) use options::{Options, Subject as PictureSubject};
-pub(crate) use overlay::{pointer_box, scale_bar};
+pub(crate) use overlay::{lower_edge, pointer_box, scale_bar};
 
 use super::practice::Practices;
 use super::widgets::{arrow_keys, keep_press};
@@ -308,9 +308,10 @@ impl Viewport {
         let legend = |scale| overlay::legend(ui, &painter, free, bar, scale);
         let taken = [scale.map_or(Rect::NOTHING, legend), bar];
         let (right, up) = self.camera.right_and_up();
-        overlay::directions(ui, &painter, free, &directions::words(right, up), &taken);
+        let words = directions::words(right, up);
+        let taken = overlay::directions(ui, &painter, free, &words, &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
-        let marked = Marked { picture: &self.picture, subject: session, section };
+        let marked = Marked { picture: &self.picture, subject: session, section, taken: &taken };
         let click = self.show_marks(ui, &response, &marked);
         self.click(click);
     }

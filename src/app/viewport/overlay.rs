@@ -175,14 +175,20 @@ pub(crate) fn strip(ui: &Ui, painter: &Painter, area: Rect, scale: &Scale) -> Re
     place
 }
 
+/// Height at the lower edge of the picture that scale bar, word of the direction and legend of a narrow picture take \[points\].
+pub(crate) fn lower_edge(area: Rect) -> f32 {
+    if area.width() < NARROW { STRIP + SPACE } else { MARGIN + SCALE_BAR }
+}
+
 /// Draws the words for the directions of the patient at the middles of an area's edges, beside what has `taken` a place.
+/// Returns all places that are taken then.
 pub(crate) fn directions(
     ui: &Ui,
     painter: &Painter,
     area: Rect,
     words: &[(Edge, &'static str)],
     taken: &[Rect],
-) {
+) -> Vec<Rect> {
     let mut taken = taken.to_vec();
     let inner = area.shrink(SPACE);
     for &(edge, word) in words {
@@ -200,6 +206,7 @@ pub(crate) fn directions(
         painter.rect_filled(rect, CornerRadius::same(4), fill);
         painter.galley(rect.min + vec2(4.0, 0.0), galley, ui.visuals().text_color());
     }
+    taken
 }
 
 /// The place beside those that are taken, inside of an area, that is nearest to a wanted one; `None` without room.
@@ -284,6 +291,9 @@ pub(crate) fn outline(ui: &Ui, painter: &Painter, points: Vec<Pos2>, outline: &O
     painter.galley(place.min, galley, outline.color);
 }
 
+/// Height of the scale bar with its number and ground \[points\].
+const SCALE_BAR: f32 = 22.0;
+
 /// Draws a bar of a round length in mm; the scale holds at the camera's target. Returns the place of the bar.
 pub(crate) fn scale_bar(ui: &Ui, painter: &Painter, area: Rect, points_per_mm: f32) -> Rect {
     let length_mm = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]
@@ -328,25 +338,20 @@ pub(crate) fn caption(ui: &Ui, painter: &Painter, area: Rect, title: &str) {
     painter.galley(at, galley, ui.visuals().strong_text_color());
 }
 
-/// Draws a small box beside the pointer, inside the area. Returns the place of the box.
+/// Draws a small box beside the pointer, inside the area, beside what has `taken` a place where there is room. Returns the place
+/// of the box.
 pub(crate) fn pointer_box(
     ui: &Ui,
     painter: &Painter,
     area: Rect,
     pointer: Pos2,
     lines: &[String],
+    taken: &[Rect],
 ) -> Rect {
     let galley = painter.layout_no_wrap(lines.join("\n"), font(ui), ui.visuals().text_color());
     let padding = Vec2::splat(8.0);
     let size = galley.size() + 2.0 * padding;
-    let mut corner = pointer + vec2(16.0, 16.0);
-    if corner.x + size.x > area.right() {
-        corner.x = (pointer.x - 16.0 - size.x).max(area.left());
-    }
-    if corner.y + size.y > area.bottom() {
-        corner.y = (pointer.y - 16.0 - size.y).max(area.top());
-    }
-    let rect = Rect::from_min_size(corner, size);
+    let rect = beside_pointer(area, pointer, size, taken);
     let visuals = ui.visuals();
     painter.rect(
         rect,
@@ -355,8 +360,26 @@ pub(crate) fn pointer_box(
         visuals.window_stroke,
         StrokeKind::Inside,
     );
-    painter.galley(corner + padding, galley, visuals.text_color());
+    painter.galley(rect.min + padding, galley, visuals.text_color());
     rect
+}
+
+/// The place of a box of a size beside the pointer: below at the right, else on another side that covers less of what is `taken`,
+/// else the nearest free place.
+fn beside_pointer(area: Rect, pointer: Pos2, size: Vec2, taken: &[Rect]) -> Rect {
+    const AWAY: f32 = 16.0;
+    // The side behind the pointer first, unless the area ends there.
+    let sides = |at: f32, length: f32, from: f32, to: f32| {
+        let (behind, before) = (at + AWAY, (at - AWAY - length).max(from));
+        if behind + length > to { [before, behind.min(to - length)] } else { [behind, before] }
+    };
+    let x = sides(pointer.x, size.x, area.left(), area.right());
+    let y = sides(pointer.y, size.y, area.top(), area.bottom());
+    let places = [(0, 0), (0, 1), (1, 0), (1, 1)];
+    let places = places.map(|(i, j)| Rect::from_min_size(pos2(x[i], y[j]), size));
+    let is_covered = |place: &Rect| taken.iter().filter(|other| other.intersects(*place)).count();
+    let best = places.into_iter().min_by_key(is_covered).unwrap_or(places[0]);
+    moved_beside(best, area, taken).unwrap_or(best)
 }
 
 /// Draws a gradient behind the body, lighter at the top.
@@ -402,6 +425,26 @@ mod tests {
             let heights = label_heights(&scale, bar, 12.0);
             assert!(heights.windows(2).all(|h| h[0] - h[1] >= 12.0 - 1e-3), "{heights:?}");
         }
+    }
+
+    #[test]
+    fn a_box_stands_beside_the_pointer_and_covers_nothing_that_is_taken() {
+        let area = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
+        let size = vec2(120.0, 50.0);
+        let place = |at: Pos2, taken: &[Rect]| beside_pointer(area, at, size, taken);
+        let middle = pos2(200.0, 150.0);
+        assert_eq!(place(middle, &[]).min, pos2(216.0, 166.0));
+        assert_eq!(place(pos2(390.0, 290.0), &[]).max, pos2(374.0, 274.0));
+        // Another box at the usual place, and boxes at several.
+        let mut taken = vec![place(middle, &[])];
+        for _ in 0..4 {
+            let next = place(middle, &taken);
+            assert!(area.contains_rect(next), "{next}");
+            assert!(taken.iter().all(|other| !other.intersects(next)), "{next} {taken:?}");
+            taken.push(next);
+        }
+        // Without room the box stands at a side.
+        assert!(area.contains_rect(place(middle, &[area])));
     }
 
     #[test]

@@ -122,7 +122,7 @@ impl Viewport {
             if colours == Colours::Own(None) {
                 own_legend(ui, &painter, area, &pane.picture);
             }
-            let marked = Marked { picture: &pane.picture, subject: shape, section };
+            let marked = Marked { picture: &pane.picture, subject: shape, section, taken: &[] };
             clicked = clicked.or(self.show_marks(ui, response, &marked));
         }
         let line = ui.visuals().widgets.noninteractive.bg_stroke;
@@ -151,9 +151,9 @@ impl Viewport {
             Colours::Own(None) => own_legend(ui, &painter, own_area, &self.picture),
             Colours::Common(None) => {}
         }
-        overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
+        let bar = overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
         self.handles = Some(painter.add(egui::Shape::Noop));
-        let marked = Marked { picture: &self.picture, subject: session, section };
+        let marked = Marked { picture: &self.picture, subject: session, section, taken: &[bar] };
         let clicked = clicked.or(self.show_marks(ui, &own, &marked));
         self.click(clicked);
     }
