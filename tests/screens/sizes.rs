@@ -103,3 +103,27 @@ fn long_words_leave_the_numbers_of_the_comparison_in_sight() {
         assert!(!is_usual || cut_texts(&harness).is_empty(), "{width}");
     }
 }
+
+#[test]
+fn the_legends_have_whole_words_of_practice_at_every_width() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    wait_for_practice(&mut harness);
+    press(&mut harness, "Stretch");
+    let look = |harness: &mut Harness<'static, App>| {
+        for step in 0..24 {
+            harness.set_size(egui::vec2(300.0 + 60.0 * step as f32, 844.0));
+            harness.run_steps(3);
+            let cut: Vec<String> = cut_texts(harness);
+            assert!(!cut.iter().any(|text| text.contains("practice")), "{step}: {cut:?}");
+        }
+        harness.set_size(DESKTOP);
+        harness.run_steps(3);
+        assert!(painted_texts(harness).iter().any(|text| text == "above practice"));
+    };
+    look(&mut harness);
+    press(&mut harness, "Range of implants");
+    wait_until(&mut harness, "the chart", |harness| {
+        painted_texts(harness).iter().any(|text| text == "practice +30 ml").then_some(())
+    });
+    look(&mut harness);
+}

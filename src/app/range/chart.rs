@@ -3,7 +3,7 @@
 
 use super::areas::areas;
 use super::colours::{Scale, picture};
-use super::paint::{BOTTOM, Drawn, LEFT, paint, paint_axes, paint_legend, plane};
+use super::paint::{BOTTOM, Drawn, LEFT, legend_width, paint, paint_axes, paint_legend, plane};
 use super::pins::Pins;
 use super::plane::{Plane, nearest};
 use super::readout;
@@ -22,9 +22,6 @@ use web_time::{Duration, Instant};
 /// The name of the chart for screen readers and tests.
 pub(super) const NAME: &str = "Range of implants, chart";
 const TOP: f32 = 22.0;
-/// Width of the legend on wide and on narrow charts \[points\].
-const LEGEND: (f32, f32) = (112.0, 84.0);
-const NARROW_CHART: f32 = 440.0;
 /// A tap chooses a point, a click takes it: a finger cannot hover. A click this long after a touch is that of a mouse.
 const TOUCH_TIME: Duration = Duration::from_millis(700);
 /// Least time between two pictures of a chart that fills.
@@ -92,17 +89,18 @@ impl Chart {
     ) -> Option<Taken> {
         let size = ui.available_size().max(vec2(160.0, 120.0));
         let (_, area) = ui.allocate_space(size);
-        let legend = if area.width() < NARROW_CHART { LEGEND.1 } else { LEGEND.0 };
+        self.update(ui, map, quantity, revision);
+        let drawn = self.drawn.as_ref()?;
+        let legend = legend_width(ui, &drawn.scale, area.width());
         let rect = Rect::from_min_max(area.min + vec2(LEFT, TOP), area.max - vec2(legend, BOTTOM));
         let id = ui.scope_id().with("range chart");
         let response = ui.interact(rect, id, Sense::click());
-        self.update(ui, map, quantity, revision);
-        let drawn = self.drawn.as_ref()?;
         let plane = plane(&map, drawn, rect);
         let painter = ui.painter().with_clip_rect(area);
         paint_axes(ui, &painter, &map, drawn, &plane, quantity);
         let inside = painter.with_clip_rect(rect.expand(1.0));
-        paint(ui, &inside, map, drawn, &plane, (sizes.is_in_use(), pins.marks(&plane)));
+        let marks = pins.marks(&plane).into_iter().chain(sizes.marks(&plane)).collect();
+        paint(ui, &inside, map, drawn, &plane, (sizes.is_in_use(), marks));
         if map.axes().len() == 2 {
             sizes.paint(&inside, &plane);
         }

@@ -56,20 +56,20 @@ fn small(ui: &Ui) -> FontId {
     TextStyle::Small.resolve(ui.style())
 }
 
-/// Draws colours, lines, sizes and the present implant; no text covers the `pins`.
+/// Draws colours, lines, sizes and the present implant; no text covers the `marks`.
 pub(super) fn paint(
     ui: &Ui,
     painter: &Painter,
     map: JudgedMap<'_>,
     drawn: &Drawn,
     plane: &Plane,
-    (has_shelf, pins): (bool, Vec<Rect>),
+    (has_shelf, marks): (bool, Vec<Rect>),
 ) {
     let palette = theme::palette(ui.visuals());
     let rect = plane.rect;
     let path =
         |points: &[(f64, f64)]| -> Vec<Pos2> { points.iter().map(|p| plane.at(*p)).collect() };
-    let mut labels = Labels { ui, painter, placed: pins };
+    let mut labels = Labels { ui, painter, placed: marks };
     if let Some(texture) = &drawn.texture {
         let all = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         let mut mesh = egui::Mesh::with_texture(texture.id());
@@ -90,12 +90,9 @@ pub(super) fn paint(
         // The sizes of the clinic stand in place of typical ones.
         for size in drawn.sizes.iter().filter(|_| !has_shelf) {
             let at = plane.at(*size);
-            painter.circle(
-                at,
-                2.5,
-                Color32::WHITE,
-                Stroke::new(1.0, Color32::from_black_alpha(170)),
-            );
+            let ring = Stroke::new(1.0, Color32::from_black_alpha(170));
+            painter.circle(at, DOT, Color32::WHITE, ring);
+            labels.placed.push(Rect::from_center_size(at, egui::Vec2::splat(2.0 * DOT)));
         }
         for line in &drawn.contours {
             for points in &line.1 {
@@ -113,16 +110,17 @@ pub(super) fn paint(
     for (text, lines) in &drawn.contours {
         let longest = lines.iter().max_by_key(|line| line.len());
         if let Some(points) = longest {
-            labels.add(text, plane.at(points[points.len() / 2]), true);
+            labels.add_along(text, &path(points), 5, true);
         }
     }
     labels.add_at_one_of(tr("this plan"), &beside);
     for (word, at) in &drawn.areas {
-        labels.add(word, plane.at(*at), true);
+        let at = plane.at(*at);
+        NEAR.iter().any(|by| labels.add(word, at + vec2(0.0, *by), true));
     }
     for (text, lines) in &drawn.volumes {
         for points in lines {
-            labels.add(text, plane.at(points[points.len() * 4 / 5]), false);
+            labels.add_along(text, &path(points), 8, false);
         }
     }
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, palette.edge), StrokeKind::Inside);
@@ -180,8 +178,11 @@ const BESIDE: [(f32, f32); 8] = [
     (42.0, 18.0),
     (-42.0, 18.0),
 ];
-/// Radius of the mark \[points\].
+/// Radius of the mark, and of the dot of a typical size \[points\].
 const MARK: f32 = 8.0;
+const DOT: f32 = 2.5;
+/// Where the word of a band may stand above and below its place, the best first \[points\].
+const NEAR: [f32; 5] = [0.0, -10.0, 10.0, -20.0, 20.0];
 
 /// Marks the present implant; returns the places of its words.
 fn present(
@@ -222,6 +223,14 @@ impl Labels<'_> {
             self.placed.clear();
             self.add(text, *first, true);
         }
+    }
+
+    /// Adds a text on a line, at the free place nearest to a number of tenths of its points.
+    fn add_along(&mut self, text: &str, line: &[Pos2], tenths: usize, is_strong: bool) {
+        let mut places: Vec<usize> = (1..10).collect();
+        places.sort_by_key(|place| place.abs_diff(tenths));
+        let at = |place: &usize| line.get(line.len() * place / 10).copied();
+        places.iter().filter_map(at).any(|at| self.add(text, at, is_strong));
     }
 
     /// Adds a text; returns whether there is room.
@@ -301,7 +310,27 @@ pub(super) fn paint_axes(
     painter.text(at, Align2::LEFT_BOTTOM, title, font, visuals.text_color());
 }
 
-/// Draws the bar of colours with numbers and words.
+/// Widths of bar, space and mark of the legend before its texts, and of the numbers before words beside them \[points\].
+const BEFORE_TEXTS: f32 = 2.0 * SPACE + 19.0;
+const NUMBERS: f32 = 22.0;
+/// Least width of the legend on wide and on narrow charts \[points\], and its greatest share of the chart's width for its words \[-\].
+const LEGEND: (f32, f32) = (112.0, 84.0);
+const NARROW_CHART: f32 = 440.0;
+const MOST_LEGEND: f32 = 0.34;
+
+/// Width of the legend of a chart of a width \[points\].
+pub(super) fn legend_width(ui: &Ui, scale: &Scale, width: f32) -> f32 {
+    let of_word = |(_, word): (f64, &str)| {
+        let color = ui.visuals().text_color();
+        ui.painter().layout_no_wrap(word.to_owned(), small(ui), color).size().x
+    };
+    let words = scale.words().into_iter().map(of_word).fold(0.0, f32::max);
+    let numbers = if scale.is_practice() { 0.0 } else { NUMBERS };
+    let least = if width < NARROW_CHART { LEGEND.1 } else { LEGEND.0 };
+    (BEFORE_TEXTS + numbers + words + 1.0).min(MOST_LEGEND * width).max(least)
+}
+
+/// Draws the bar of colours with numbers and words, whole ones only.
 pub(super) fn paint_legend(ui: &Ui, painter: &Painter, drawn: &Drawn, rect: Rect, area: Rect) {
     let (visuals, scale) = (ui.visuals(), &drawn.scale);
     let (font, quiet) = (small(ui), visuals.weak_text_color());
@@ -324,18 +353,20 @@ pub(super) fn paint_legend(ui: &Ui, painter: &Painter, drawn: &Drawn, rect: Rect
         Stroke::new(1.0, theme::palette(visuals).edge),
         StrokeKind::Outside,
     );
-    let left = bar.right() + 5.0;
+    let left = rect.right() + BEFORE_TEXTS;
     let unit = pos2(bar.left(), rect.top() - 5.0);
     painter.text(unit, Align2::LEFT_BOTTOM, scale.unit, font.clone(), quiet);
     // Words stand beside the numbers where there is room, else between them.
     let is_beside = area.right() - left > 70.0 && !scale.is_practice();
     let text = |taken: &mut Vec<f32>, y: f32, x: f32, text: &str, color: Color32| {
-        if taken.iter().all(|other| (other - y).abs() > 11.0) {
-            painter.text(pos2(x, y), Align2::LEFT_CENTER, text, font.clone(), color);
+        let galley = painter.layout_no_wrap(text.to_owned(), font.clone(), color);
+        let is_whole = x + galley.size().x <= area.right();
+        if is_whole && taken.iter().all(|other| (other - y).abs() > 11.0) {
+            painter.galley(pos2(x, y - 0.5 * galley.size().y), galley, color);
             taken.push(y);
         }
     };
-    let words_left = left + if is_beside { 22.0 } else { 0.0 };
+    let words_left = left + if is_beside { NUMBERS } else { 0.0 };
     let mut taken = Vec::new();
     for (value, word) in scale.words() {
         text(&mut taken, at(value), words_left, word, visuals.text_color());
@@ -367,6 +398,15 @@ mod tests {
                 labels.add_at_one_of("this plan", &beside);
                 assert!((labels.placed[count].center() - beside[count]).length() < 1.0);
             }
+            // A text on a line keeps off the dots of sizes.
+            let line: Vec<Pos2> = (0..100).map(|k| pos2(50.0 + 4.0 * k as f32, 100.0)).collect();
+            let dots: Vec<Rect> = [0, 150, 180, 210, 230, 250]
+                .map(|x| Rect::from_center_size(pos2(x as f32, 100.0), vec2(7.0, 7.0)))
+                .to_vec();
+            let mut labels = Labels { ui, painter: ui.painter(), placed: dots.clone() };
+            labels.add_along("+30 ml", &line, 5, true);
+            let placed = labels.placed[dots.len()];
+            assert!(dots.iter().all(|dot| !dot.intersects(placed)), "{placed}");
             // Without room the words stand at the best place.
             let mut labels = Labels { ui, painter: ui.painter(), placed: taken(&beside) };
             labels.add_at_one_of("this plan", &beside);
