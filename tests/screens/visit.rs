@@ -97,6 +97,42 @@ fn a_text_that_is_no_date_stays_with_its_reason_and_moves_nothing() {
     assert_eq!(place(&harness), before);
 }
 
+#[test]
+fn a_text_near_its_limit_says_how_long_it_is_and_moves_nothing() {
+    let mut harness = filled(DESKTOP);
+    press(&mut harness, "Pin as A");
+    let place = |harness: &Harness<'static, App>| {
+        ["Pin as B", "Surgeon", "Remarks"]
+            .map(|name| harness.get_all_by_label(name).last().unwrap().rect())
+    };
+    let before = place(&harness);
+    for (role, field, most) in [
+        (Role::MultilineTextInput, "Remarks", 500),
+        (Role::TextInput, "Surgeon", 60),
+        (Role::TextInput, "Name of A", 25),
+    ] {
+        harness.get_by_role_and_label(role, field).focus();
+        harness.run();
+        assert!(harness.query_by_label_contains(" characters").is_none(), "{field}");
+        let typed = |harness: &mut Harness<'static, App>, length: usize| {
+            harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+            harness.event(egui::Event::Paste("x".repeat(length)));
+            harness.run();
+        };
+        typed(&mut harness, 9 * most / 10 - 1);
+        assert!(harness.query_by_label_contains(" characters").is_none(), "{field}");
+        for length in [most - 1, most, most + 20] {
+            typed(&mut harness, length);
+            harness.get_by_label(&format!("{} of {most} characters", length.min(most)));
+        }
+        // The field of the remarks grows with its lines.
+        if field != "Remarks" {
+            assert_eq!(place(&harness), before, "{field}");
+        }
+        typed(&mut harness, 3);
+    }
+}
+
 /// Selects the text of the focused field and types over it.
 fn type_over(harness: &mut Harness<'static, App>, text: &str) {
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);

@@ -14,7 +14,7 @@ pub(super) use table::rows;
 
 use super::practice::Practices;
 use super::theme::{self, Palette};
-use super::widgets::{button_if, group, remark, set_accessible_name};
+use super::widgets::{button_if, characters_left, group, remark, set_accessible_name};
 use crate::app::texts::tr;
 use crate::measure::Status;
 use crate::scene::{Letter, Scene};
@@ -163,6 +163,7 @@ fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> 
         label: Some(tr!("Name of {letter}", letter)),
         ..egui::WidgetInfo::text_edit(true, "", &text, tr("name"))
     });
+    characters_left(&response, &text, NAME_LENGTH);
     if response.lost_focus() {
         let is_accepted = !ui.input(|input| input.key_pressed(egui::Key::Escape));
         return (is_accepted && text != pin.name()).then_some(Command::Rename(letter, text));

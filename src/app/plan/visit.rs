@@ -6,7 +6,7 @@ use super::{Hand, chip, chips, named};
 use crate::app::files;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
-use crate::app::widgets::{kept_lines, rejection_label, remark};
+use crate::app::widgets::{characters_left, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
 use crate::scene::{FillSchedule, Scene, Side, TissueModel, Visit};
 use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
@@ -224,6 +224,7 @@ fn line(ui: &mut Ui, name: &str, hint: &str, text: &mut String, most: usize) -> 
         let mut typed = text.clone();
         let field = TextEdit::singleline(&mut typed).hint_text(hint).char_limit(most);
         let response = add(ui, name, field, text);
+        characters_left(&response, &typed, most);
         if response.changed() {
             *text = cleaned(&typed, 1);
         }
@@ -239,6 +240,7 @@ fn remarks(ui: &mut Ui, text: &mut String) -> Response {
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_role(egui::accesskit::Role::MultilineTextInput);
     });
+    characters_left(&response, &typed, MAX_REMARKS);
     if response.changed() {
         *text = cleaned(&typed, MAX_REMARK_LINES);
     }

@@ -1,6 +1,6 @@
 //! Widgets of the panels: exact number fields, sliders, groups, names for screen readers.
 //!
-//! Uses `theme`. Used by all panels.
+//! Uses `texts`, `theme`. Used by all panels.
 
 mod control;
 mod number_field;
@@ -11,6 +11,7 @@ pub(super) use control::{Control, ControlResponse, rejection_label};
 pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
+use super::texts::tr;
 use super::theme::{SPACE, SPACE_SMALL};
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
 use egui::accesskit::{Action, ActionData};
@@ -42,6 +43,15 @@ pub(super) fn kept_lines<R>(ui: &mut Ui, lines: usize, add: impl FnOnce(&mut Ui)
         add(ui)
     });
     shown.inner
+}
+
+/// Says how many characters a text field has of those allowed, while it is being typed into near its limit: over the page, so that
+/// nothing moves. Further signs have no effect.
+pub(super) fn characters_left(field: &Response, text: &str, most: usize) {
+    let count = text.chars().count();
+    if field.has_focus() && 10 * count >= 9 * most {
+        field.show_tooltip_text(tr!("{count} of {most} characters", count, most));
+    }
 }
 
 /// Sets the name of a widget, for screen readers and tests, in place of its icon or number.
