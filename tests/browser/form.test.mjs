@@ -52,7 +52,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "To the side (cm)",
       "Up (cm)",
       "In place (%)",
-      "Reference",
+      "Patient no.",
       "Side",
       "Date of the visit",
       "Surgeon",

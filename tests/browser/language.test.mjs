@@ -31,7 +31,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Hacia el lado (cm)",
       "Hacia arriba (cm)",
       "Insertado (%)",
-      "Referencia",
+      "N.º paciente",
       "Lado",
       "Fecha de la visita",
       "Cirujano",

@@ -236,7 +236,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await harness.control(page, "For the file");
     await page.keyboard.press("Enter");
     const remarks = Array.from({ length: 12 }, (_, k) => `line ${k + 1}: <b>forty characters of remarks</b>`).join("\n").slice(0, 500);
-    for (const [name, text] of [["Reference", "K. M. 4711"], ["Date of the visit", "2026-01-31"], ["Surgeon", "Dr Å"], ["Remarks", remarks]]) {
+    for (const [name, text] of [["Patient no.", "K. M. 4711"], ["Date of the visit", "2026-01-31"], ["Surgeon", "Dr Å"], ["Remarks", remarks]]) {
       await harness.control(page, name);
       await page.keyboard.type(text);
     }

@@ -33,7 +33,7 @@ fn filled(size: egui::Vec2) -> Harness<'static, App> {
         press(&mut harness, "Patient");
     }
     unfold(&mut harness, "For the file");
-    write(&mut harness, Role::TextInput, "Reference", "K. M. 4711");
+    write(&mut harness, Role::TextInput, "Patient no.", "K. M. 4711");
     press(&mut harness, "left");
     write(&mut harness, Role::TextInput, "Date of the visit", "2026-01-31");
     write(&mut harness, Role::TextInput, "Surgeon", "Dr A");
@@ -89,7 +89,7 @@ fn a_text_that_is_no_date_stays_with_its_reason_and_moves_nothing() {
     write(&mut harness, Role::TextInput, "Date of the visit", "9 of a long month");
     // No reason while it is being typed.
     assert!(harness.query_by_label_contains("is no date").is_none());
-    write(&mut harness, Role::TextInput, "Reference", "x");
+    write(&mut harness, Role::TextInput, "Patient no.", "x");
     harness.get_by_label_contains(
         "Not accepted: \"2026-01-319 of a lon\" is no date: 25.11.2026 or 25/11/2026 (day first)",
     );
@@ -156,7 +156,7 @@ fn a_date_is_read_as_a_person_writes_it_and_today_is_a_button() {
         harness.run();
         type_over(&mut harness, text);
         assert_eq!(visit(&harness).date, date, "{text}");
-        harness.get_by_role_and_label(Role::TextInput, "Reference").focus();
+        harness.get_by_role_and_label(Role::TextInput, "Patient no.").focus();
         harness.run();
         assert_eq!(field(&harness), date, "{text}");
     }

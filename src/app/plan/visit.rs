@@ -1,4 +1,4 @@
-//! Patient and visit in words, for the plan's file and the report: reference, side, date, surgeon, remarks.
+//! Patient and visit in words, for the plan's file and the report: the patient's number, side, date, surgeon, remarks.
 
 use super::date::read_date;
 use super::field::{Field, Values};
@@ -19,7 +19,7 @@ const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;
 
-const KEPT: &str = "Kept in this plan's file and in the report only; reference and side also stand on the picture, reference and date in the names of \
+const KEPT: &str = "Kept in this plan's file and in the report only; the patient's number and the side also stand on the picture, number and date in the names of \
                     these files. But for the side, \
                     not in links or pins, and gone at the next start. Nothing is sent.";
 
@@ -44,7 +44,7 @@ pub(super) fn switch(ui: &mut Ui, hand: Hand) {
         .frame_when_inactive(true)
         .min_size(vec2(0.0, height));
     let tooltip = tr(
-        "Reference, side, date of the visit, surgeon, remarks: for the plan's file and the report",
+        "Patient's number, side, date of the visit, surgeon, remarks: for the plan's file and the report",
     );
     if ui.add(switch).on_hover_text(tooltip).clicked() {
         ui.data_mut(|data| data.insert_temp(key(), !is_open));
@@ -102,7 +102,7 @@ pub(super) fn form_fields(scene: &Scene) -> [Field; 5] {
     let choices: Vec<&str> = Side::ALL.map(Side::word).into_iter().chain([NOT_SAID]).collect();
     let words = choices.iter().map(|word| tr(word)).collect();
     [
-        ("reference", tr("Reference"), visit.reference, text(MAX_REFERENCE, 1)),
+        ("reference", tr("Patient no."), visit.reference, text(MAX_REFERENCE, 1)),
         ("side", tr("Side"), side, Values::Words { choices, words }),
         ("date", tr(DATE_NAME), visit.date, text(MAX_DATE, 1)),
         ("surgeon", tr("Surgeon"), visit.surgeon, text(MAX_SURGEON, 1)),
@@ -201,7 +201,13 @@ fn fields(ui: &mut Ui, visit: &mut Visit, side: &mut Option<Side>, hand: Hand) -
             focused = Some(response.id);
         }
     };
-    note(line(ui, tr("Reference"), tr("number or initials"), &mut visit.reference, MAX_REFERENCE));
+    note(line(
+        ui,
+        tr("Patient no."),
+        tr("number or initials"),
+        &mut visit.reference,
+        MAX_REFERENCE,
+    ));
     named(ui, tr("Side"), |ui| {
         chips(ui, |ui| {
             let choices = Side::ALL.map(|side| (Some(side), tr(side.word())));
