@@ -88,7 +88,7 @@ impl Notice {
         (1.0 - faded).clamp(0.0, 1.0) as f32
     }
 
-    /// Shows the notice over the lower edge of an area; nothing moves for it. Under the pointer it does not fade.
+    /// Shows the notice over the lower part of an area; nothing moves for it. Under the pointer it does not fade.
     pub(super) fn show(&mut self, ui: &Ui, area: Rect) -> Option<NoticeAction> {
         let now = ui.input(|input| input.time);
         let opacity = self.opacity(now);
@@ -102,7 +102,7 @@ impl Notice {
             Severity::Error => (palette.bad, Live::Assertive),
         };
         let mut action = None;
-        let shown = over(ui, area, "notice", |ui| {
+        let shown = over(ui, above_edge(area), "notice", |ui| {
             ui.set_opacity(opacity);
             ui.horizontal_wrapped(|ui| {
                 let close = ui.button("×");
@@ -187,7 +187,7 @@ pub(super) fn provisional(ui: &Ui, area: Rect, displayed: Displayed) {
 
 /// What is being computed, over the picture.
 pub(super) fn over_picture(ui: &Ui, area: Rect, words: impl Into<String>) {
-    let _ = over(ui, area, "computing", |ui| {
+    let _ = over(ui, above_edge(area), "computing", |ui| {
         ui.label(RichText::new(words).strong());
     });
 }
@@ -217,11 +217,14 @@ pub(super) fn standard_model(ui: &mut Ui, scene: &mut Scene) {
     }
 }
 
-/// A box over the middle of the lower part of an area, above what stands at the lower edge of a picture. Returns the place of
-/// the box.
+/// The part of an area above what stands at the lower edge of a picture.
+fn above_edge(area: Rect) -> Rect {
+    area.with_max_y((area.bottom() - lower_edge(area)).max(area.center().y))
+}
+
+/// A box at the middle of the lower edge of an area, over what is there. Returns the place of the box.
 fn over(ui: &Ui, area: Rect, name: &str, add: impl FnOnce(&mut Ui)) -> Rect {
-    let bottom = (area.bottom() - lower_edge(area)).max(area.center().y);
-    let inner = area.with_max_y(bottom).shrink(2.0 * theme::SPACE);
+    let inner = area.shrink(2.0 * theme::SPACE);
     let id = egui::Id::unique(name);
     let before = ui.ctx().memory(|memory| memory.area_rect(id));
     let shown = egui::Area::new(id)
