@@ -14,7 +14,7 @@ pub(super) use table::rows;
 
 use super::practice::Practices;
 use super::theme::{self, Palette};
-use super::widgets::{button_if, characters_left, group, remark, set_accessible_name};
+use super::widgets::{button_if, characters_left, field_frame, group, remark, set_accessible_name};
 use crate::app::texts::tr;
 use crate::measure::Status;
 use crate::scene::{Letter, Scene};
@@ -153,6 +153,7 @@ fn name_field(ui: &mut Ui, pin: &Pin, compare: &mut Compare) -> Option<Command> 
     let field = egui::TextEdit::singleline(&mut text)
         .id_salt(("name of a pin", letter))
         .char_limit(NAME_LENGTH)
+        .frame(field_frame(ui))
         .hint_text(match pin.scene().implant_reference.as_str() {
             "" => tr("name"),
             reference => reference,

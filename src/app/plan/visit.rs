@@ -6,7 +6,7 @@ use super::{Hand, chip, chips, named};
 use crate::app::files;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
-use crate::app::widgets::{characters_left, kept_lines, rejection_label, remark};
+use crate::app::widgets::{characters_left, field_frame, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
 use crate::scene::{FillSchedule, Scene, Side, TissueModel, Visit};
 use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
@@ -309,13 +309,7 @@ fn add(ui: &mut Ui, name: &str, field: TextEdit<'_>, text: &str) -> Response {
 /// Adds a text field that leaves a width free \[points\].
 fn add_beside(ui: &mut Ui, name: &str, field: TextEdit<'_>, text: &str, rest: f32) -> Response {
     let width = (ui.available_width() - SPACE - rest).max(40.0);
-    let palette = theme::palette(ui.visuals());
-    let frame = egui::Frame::new()
-        .fill(ui.visuals().extreme_bg_color)
-        .stroke(egui::Stroke::new(1.0, palette.edge))
-        .corner_radius(ui.visuals().widgets.inactive.corner_radius)
-        .inner_margin(egui::Margin::symmetric(5, 2));
-    let response = ui.add(field.id_salt(name).frame(frame).desired_width(width));
+    let response = ui.add(field.id_salt(name).frame(field_frame(ui)).desired_width(width));
     response.widget_info(|| egui::WidgetInfo {
         label: Some(name.to_owned()),
         ..egui::WidgetInfo::text_edit(true, "", text, "")

@@ -12,7 +12,7 @@ pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
 use super::texts::tr;
-use super::theme::{SPACE, SPACE_SMALL};
+use super::theme::{self, SPACE, SPACE_SMALL};
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
 use egui::accesskit::{Action, ActionData};
 use std::ops::RangeInclusive;
@@ -43,6 +43,15 @@ pub(super) fn kept_lines<R>(ui: &mut Ui, lines: usize, add: impl FnOnce(&mut Ui)
         add(ui)
     });
     shown.inner
+}
+
+/// The frame of a field for text: with the focus, too, its edge is in sight.
+pub(super) fn field_frame(ui: &Ui) -> egui::Frame {
+    egui::Frame::new()
+        .fill(ui.visuals().extreme_bg_color)
+        .stroke(egui::Stroke::new(1.0, theme::palette(ui.visuals()).edge))
+        .corner_radius(ui.visuals().widgets.inactive.corner_radius)
+        .inner_margin(egui::Margin::symmetric(5, 2))
 }
 
 /// Says how many characters a text field has of those allowed, while it is being typed into near its limit: over the page, so that

@@ -1,7 +1,7 @@
 //! A field for one number: the typed number is stored exactly, or rejected with a reason.
 
 use super::quantity::{self, Kind};
-use super::{STEP_KEYS, arrow_keys, describe_range, key_steps, set_value_requests};
+use super::{STEP_KEYS, arrow_keys, describe_range, field_frame, key_steps, set_value_requests};
 use crate::app::texts::localized;
 use crate::app::theme;
 use eframe::egui::{self, Id, Key, Response, Ui};
@@ -159,17 +159,10 @@ impl NumberField<'_> {
         text: &'t mut String,
         is_rejected: bool,
     ) -> egui::TextEdit<'t> {
-        let (palette, visuals) = (theme::palette(ui.visuals()), ui.visuals());
-        let stroke = if is_rejected {
-            egui::Stroke::new(2.0, palette.bad)
-        } else {
-            egui::Stroke::new(1.0, palette.edge)
-        };
-        let frame = egui::Frame::new()
-            .fill(visuals.extreme_bg_color)
-            .stroke(stroke)
-            .corner_radius(visuals.widgets.inactive.corner_radius)
-            .inner_margin(egui::Margin::symmetric(5, 2));
+        let mut frame = field_frame(ui);
+        if is_rejected {
+            frame.stroke = egui::Stroke::new(2.0, theme::palette(ui.visuals()).bad);
+        }
         egui::TextEdit::singleline(text)
             .id(id)
             .frame(frame)
