@@ -22,8 +22,7 @@ const CONVENTION: &str = "Your choice: no measurement fixes these numbers. In on
      (ePlasty 2023, 23, e12), in another 68 % of the expander (Plast Reconstr Surg 2011, 127, 1065). Afterwards \
      50–60 ml a week are a habit of practices; pain and pale skin end a visit.";
 
-/// Width of the table with all columns \[points\], and the columns that follow from the others: visit, added.
-const WHOLE_TABLE: f32 = 300.0;
+/// The columns that follow from the others, which a narrow table does without: visit, added.
 const FOLLOWING: [usize; 2] = [1, 2];
 
 /// Heads of the columns; a number has its word in a column of its own.
@@ -138,7 +137,7 @@ impl FillSteps {
         let rows = self.rows(curve, full_ml);
         egui::ScrollArea::horizontal().id_salt("fill steps").show(ui, |ui| {
             let grid = egui::Grid::new("fill steps").num_columns(HEADS.len()).min_col_width(0.0);
-            let is_narrow = ui.available_width() < WHOLE_TABLE;
+            let is_narrow = ui.available_width() < whole_width(ui, &rows);
             grid.striped(true).spacing([SPACE, 2.0]).show(ui, |ui| table(ui, &rows, is_narrow));
         });
         let missing = self.missing(curve, full_ml);
@@ -211,28 +210,53 @@ impl FillSteps {
     }
 }
 
-/// Shows heads and rows; a value with a word above usual stands out. A narrow table leaves out what follows from the other columns.
+/// Shows heads and rows; a value with a word above usual stands out.
 fn table(ui: &mut Ui, rows: &[Vec<String>], is_narrow: bool) {
-    for (k, row) in rows.iter().enumerate() {
-        for (column, cell) in row.iter().enumerate() {
-            if is_narrow && FOLLOWING.contains(&column) || WORDS.contains(&column) {
-                continue;
-            }
-            // The word of a value stands beside or below the value, unless it is that of the lowest band.
-            let word = (k > 0 && WORDS.contains(&(column + 1))).then(|| &row[column + 1]);
-            let word = word.filter(|word| !["–", tr(LOWEST)].contains(&word.as_str()));
-            // A head has a word a line.
-            let lines = match word {
-                None if k == 0 => cell.replace(' ', "\n"),
-                None => cell.clone(),
-                Some(word) if is_narrow => format!("{cell},\n{word}"),
-                Some(word) => format!("{cell}, {word}"),
-            };
-            let text = RichText::new(lines).small();
-            ui.label(if k == 0 || word.is_some() { text.strong() } else { text });
+    for row in texts(rows, is_narrow) {
+        for (text, is_strong) in row {
+            let text = RichText::new(text).small();
+            ui.label(if is_strong { text.strong() } else { text });
         }
         ui.end_row();
     }
+}
+
+/// Width of the table with all columns \[points\].
+fn whole_width(ui: &Ui, rows: &[Vec<String>]) -> f32 {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut widths = [0_f32; HEADS.len() - WORDS.len()];
+    for row in texts(rows, false) {
+        for (width, (text, _)) in widths.iter_mut().zip(row) {
+            let galley = ui.painter().layout_no_wrap(text, font.clone(), egui::Color32::WHITE);
+            *width = width.max(galley.size().x);
+        }
+    }
+    widths.iter().sum::<f32>() + SPACE * (widths.len() - 1) as f32
+}
+
+/// The texts of heads and rows, and whether each stands out. A narrow table leaves out what follows from the other columns.
+fn texts(
+    rows: &[Vec<String>],
+    is_narrow: bool,
+) -> impl Iterator<Item = impl Iterator<Item = (String, bool)>> {
+    let is_shown =
+        move |column: &usize| !(is_narrow && FOLLOWING.contains(column) || WORDS.contains(column));
+    rows.iter().enumerate().map(move |(k, row)| {
+        (0..row.len()).filter(is_shown).map(move |column| {
+            let cell = &row[column];
+            if k == 0 {
+                // A head has a word a line.
+                return (cell.replace(' ', "\n"), true);
+            }
+            // The word of a value stands beside or below the value, unless it is that of the lowest band.
+            let word = WORDS.contains(&(column + 1)).then(|| &row[column + 1]);
+            match word.filter(|word| !["–", tr(LOWEST)].contains(&word.as_str())) {
+                None => (cell.clone(), false),
+                Some(word) if is_narrow => (format!("{cell},\n{word}"), true),
+                Some(word) => (format!("{cell}, {word}"), true),
+            }
+        })
+    })
 }
 
 #[cfg(test)]
