@@ -1846,7 +1846,10 @@ fn pins_of_another_skin_have_a_line_with_their_skin() {
     let texts = painted_texts(&harness);
     let caption = |words: &str| texts.iter().any(|text| text.ends_with(words));
     assert!(caption("\nSkin tight") && caption("\nSkin lax"), "{texts:?}");
-    assert!(texts.iter().any(|text| text == "Skin stretch [% of the reserve]"), "{texts:?}");
+    wait_for_practice(&mut harness);
+    harness.run();
+    let texts = painted_texts(&harness);
+    assert!(texts.iter().any(|text| text == "Skin stretch [%]"), "{texts:?}");
 }
 
 #[test]
