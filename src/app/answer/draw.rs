@@ -34,13 +34,10 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
             draw(ui, &Bar::of(card));
             // One row with and without sampled patients: nothing below moves.
             let line = match &card.shares {
-                Some(shares) => egui::Label::new(RichText::new(shares).small()).truncate(),
-                None => {
-                    let line = RichText::new(&card.line).small();
-                    egui::Label::new(line.color(ui.visuals().weak_text_color())).wrap()
-                }
+                Some(shares) => RichText::new(shares).small(),
+                None => RichText::new(&card.line).small().color(ui.visuals().weak_text_color()),
             };
-            ui.add(line);
+            ui.add(egui::Label::new(line).truncate());
         })
         .response;
     let mut tooltip = match &card.scale {
