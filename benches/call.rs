@@ -57,17 +57,21 @@ fn next_call(simulator: &mut Simulator, json: &str) -> [f64; 2] {
     [clock(), outcome.solver.time_ms.unwrap()]
 }
 
-/// The scenes of the report: the default scene as a sheet and as layered tissue.
+/// Skin and the paper's adipose.
+const PAPERS_LAYERS: &str =
+    r#"[{}, { "tissue": "adipose", "thickness_mm": 10, "curve": { "kind": "adipose" } }]"#;
+
+/// The scenes of the report: the default scene with the paper's adipose, as a sheet and as layered tissue.
 fn scenes() -> Vec<(String, String)> {
     let mut scenes = Vec::new();
     let places = [("quarter", [0.0, 0.0]), ("half", [6.0, 0.0]), ("whole", [6.0, 3.0])];
-    for (model, schema) in [("sheet", 1), ("layered", 2)] {
+    for model in ["sheet", "layered"] {
         for nodes in [129, 257] {
             for (part, [x, y]) in places {
                 let json = format!(
-                    r#"{{ "schema": "implant-preview/scene/{schema}", "pocket_radius_mm": 70.0,
+                    r#"{{ "tissue_model": "{model}", "pocket_radius_mm": 70.0, "layers": {PAPERS_LAYERS},
                         "implant": {{ "base_radius_mm": 55.0, "center_mm": [{x}, {y}] }},
-                        "solver": {{ "nodes_per_side": {nodes}, "tolerance": 1e-3 }} }}"#
+                        "solver": {{ "nodes_per_side": {nodes}, "tolerance": 1e-3, "cells_through": 2 }} }}"#
                 );
                 scenes.push((format!("{model}, {part}, {nodes}"), json));
             }

@@ -446,44 +446,6 @@ fn what_the_practice_table_alone_needs_changes_no_other_value() {
 }
 
 #[test]
-fn scene_1_has_no_patient_and_no_scales() {
-    let first = |part: Value| {
-        let mut scene =
-            json!({ "schema": "implant-preview/scene/1", "implant": { "base_radius_mm": 60 } });
-        scene.as_object_mut().unwrap().extend(part.as_object().unwrap().clone());
-        error_of(&scene)
-    };
-    for (part, field) in [
-        (json!({ "patient": {} }), "patient"),
-        (
-            json!({ "layers": [{ "curve": { "kind": "skin", "strain_scale": 1 } }] }),
-            "layers[0].curve.strain_scale",
-        ),
-        (
-            json!({ "layers": [{}, { "curve": { "kind": "skin", "stress_scale": 2 } }] }),
-            "layers[1].curve.stress_scale",
-        ),
-    ] {
-        assert_eq!(
-            first(part),
-            format!(
-                "{field}: the field belongs to implant-preview/scene/2; the schema is implant-preview/scene/1"
-            )
-        );
-    }
-    // The same of scenes that a program builds.
-    let mut sheet = Scene::sheet();
-    sheet.layers[1].curve.stress_scale = 2.0;
-    let error = sheet.validate().unwrap_err().to_string();
-    assert!(error.starts_with("layers[1].curve.stress_scale: the field belongs"), "{error}");
-    let mut sheet = Scene::sheet();
-    let error = sheet.apply_patient(Measurements::default()).unwrap_err().to_string();
-    assert!(error.starts_with("patient: the field belongs"), "{error}");
-    sheet.patient = Some(scene::Patient::default());
-    assert!(sheet.validate().unwrap_err().to_string().starts_with("patient: the field belongs"));
-}
-
-#[test]
 fn a_patient_is_applied_and_values_set_by_hand_stay() {
     let mut scene = Scene::default();
     let pinch = |mm: f64| Measurements { pinch_mm: Some(mm), ..Measurements::default() };

@@ -44,7 +44,7 @@ fn rows(text: &[u8]) -> Vec<BTreeMap<String, String>> {
 /// A small sheet as a template.
 fn sheet() -> Value {
     json!({
-        "schema": "implant-preview/scene/1",
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 30, "projection_mm": 20 },
         "pocket_radius_mm": 45,
         "layers": [

@@ -59,7 +59,7 @@ fn simulate_writes_result_mesh_and_profile() {
         assert!(output.stdout.is_empty() && output.stderr.is_empty());
     }
     let result: Value = serde_json::from_slice(&fs::read(folder.join("r.json")).unwrap()).unwrap();
-    assert_eq!(result["schema"], "implant-preview/result/3");
+    assert_eq!(result["schema"], "implant-preview/result/1");
     assert_eq!(result["status"], "converged");
     assert!(result["solver"]["time_ms"].as_f64().unwrap() > 0.0);
     let profile = fs::read_to_string(folder.join("p.csv")).unwrap();
@@ -243,20 +243,16 @@ fn assert_meshes_agree(folder: &Path) {
 }
 
 #[test]
-fn the_schema_decides_about_the_tissue_model() {
+fn a_scene_has_the_tissue_model_it_states_with_and_without_schema() {
     let folder = folder();
-    // The default layers depend on the schema.
-    let layers = r#"[{},{"tissue":"adipose","thickness_mm":10,"curve":{"kind":"fat"}}]"#;
-    let scene = |field: &str| {
-        format!(
-            r#"{{{field}"implant":{{"base_radius_mm":40}},"layers":{layers},"solver":{{"nodes_per_side":33}}}}"#
-        )
+    let scene = |fields: &str| {
+        format!(r#"{{{fields}"implant":{{"base_radius_mm":40}},"solver":{{"nodes_per_side":33}}}}"#)
     };
     let fields = [
         "",
-        r#""schema":"implant-preview/scene/3","#,
-        r#""schema":"implant-preview/scene/2","tissue_model":"sheet","#,
         r#""schema":"implant-preview/scene/1","#,
+        r#""tissue_model":"sheet","#,
+        r#""schema":"implant-preview/scene/1","tissue_model":"sheet","#,
     ];
     // A byte-order mark before JSON lines, in standard input as in a file.
     let scenes = format!("\u{feff}{}\n", fields.map(scene).join("\n"));
@@ -266,13 +262,17 @@ fn the_schema_decides_about_the_tissue_model() {
         let output = run(&folder, &["simulate", file], &scenes);
         assert_eq!(output.status.code(), Some(0), "{file}: {}", text(&output.stderr));
         let results = lines(&output.stdout);
-        let schemas: Vec<&Value> = results.iter().map(|result| &result["schema"]).collect();
-        let [layered, sheet] = ["implant-preview/result/3", "implant-preview/result/1"];
-        assert_eq!(schemas, [layered, layered, sheet, sheet], "{file}");
+        assert!(results.iter().all(|result| result["schema"] == "implant-preview/result/1"));
+        let is_layered = results.iter().map(|result| result["cover_mm"].is_object());
+        assert_eq!(is_layered.collect::<Vec<_>>(), [true, true, false, false], "{file}");
         for pair in results.chunks(2) {
             assert_eq!(pair[0]["contact_force_n"], pair[1]["contact_force_n"], "{file}");
         }
     }
+    // Another schema is named before a field that only that schema may have.
+    let other = scene(r#""schema":"implant-preview/scene/2","weight_kg":70,"#);
+    let wanted = ["schema: is \"implant-preview/scene/2\"; allowed: implant-preview/scene/1"];
+    assert_refused(&folder, &["simulate", "-"], &other, &wanted);
     // One scene with the mark.
     let one = format!("\u{feff}{}", scene(""));
     assert_eq!(run(&folder, &["simulate", "-"], &one).status.code(), Some(0));
@@ -908,7 +908,7 @@ fn a_map_is_written_as_table_json_and_chart() {
     let folder = folder();
     fs::write(
         folder.join("scene.json"),
-        scene(50.0, "coupled").replacen('{', r#"{"schema":"implant-preview/scene/1","#, 1),
+        scene(50.0, "coupled").replacen('{', r#"{"tissue_model":"sheet","#, 1),
     )
     .unwrap();
     let map = |out: &str, more: &[&str]| {
@@ -986,7 +986,8 @@ fn a_map_with_its_border_in_full_has_the_answers_of_simulate() {
 #[test]
 fn bands_are_equal_for_equal_seeds() {
     let folder = folder();
-    let scene = scene(50.0, "coupled").replacen('{', r#"{"schema":"implant-preview/scene/1","#, 1);
+    let papers = r#"{"tissue_model":"sheet","layers":[{},{"tissue":"adipose","thickness_mm":10,"curve":{"kind":"adipose"}}],"#;
+    let scene = scene(50.0, "coupled").replacen('{', papers, 1);
     fs::write(folder.join("scene.json"), scene).unwrap();
     fs::write(
         folder.join("choices.json"),

@@ -28,7 +28,7 @@ fn tissue_at_rest_has_the_areas_of_caps_and_its_thickness_along_the_normals() {
         let mut scene =
             scene(Some(ChestShape { radius_across_mm: across, radius_along_mm: along }));
         scene.insertion = 0.0;
-        let (pocket, patch) = (scene.pocket_radius_mm, scene.body.unwrap().patch_radius_mm);
+        let (pocket, patch) = (scene.pocket_radius_mm, scene.body.patch_radius_mm);
         let thickness: Vec<f64> = scene.layers.iter().map(|layer| layer.thickness_mm).collect();
         // The skin's membrane lies on the solids.
         let solids: f64 = thickness[1..].iter().sum();
@@ -153,7 +153,7 @@ fn close(a: &serde_json::Value, b: &serde_json::Value, path: &str) {
 fn an_implant_off_centre_has_its_height_above_the_wall_and_its_cover_along_the_normal() {
     let mut scene = scene(Some(ChestShape::ROUND));
     scene.pocket_radius_mm = 80.0;
-    scene.body.as_mut().unwrap().patch_radius_mm = 120.0;
+    scene.body.patch_radius_mm = 120.0;
     scene.implant.center_mm = [15.0, -10.0];
     let projection = scene.implant.projection_mm;
     let found = outcome(scene);

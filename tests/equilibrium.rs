@@ -254,7 +254,7 @@ fn compressive_sheets_off_centre_are_solved_to_their_wrinkled_equilibrium() {
         ),
         (dome(24.36, 3.067, [11.906, 0.0]), 36.27, 0.6674, skin(1.0, 0.0, rubbery), 97),
     ] {
-        let scene = json!({ "schema": "implant-preview/scene/1", "implant": implant,
+        let scene = json!({ "tissue_model": "sheet", "implant": implant,
             "pocket_radius_mm": pocket, "insertion": insertion, "layers": layers });
         let scene = Scene::from_json(&scene.to_string()).unwrap();
         let (exact, solver) = (solved(&scene, nodes, 1e-7), solved(&scene, nodes, 1e-4));
@@ -268,7 +268,7 @@ fn compressive_sheets_off_centre_are_solved_to_their_wrinkled_equilibrium() {
 /// With compressive paper's springs the steps of the positive semidefinite model had been much too small.
 #[test]
 fn the_exact_step_is_evaluated_for_the_papers_springs() {
-    let scene = json!({ "schema": "implant-preview/scene/1", "springs": "nikolaev",
+    let scene = json!({ "tissue_model": "sheet", "springs": "nikolaev",
         "implant": { "base_radius_mm": 13.9, "projection_mm": 15.8, "center_mm": [0.0, 17.6] },
         "pocket_radius_mm": 31.52, "insertion": 0.8, "layers": [{ "tissue": "skin",
             "thickness_mm": 0.7, "poisson_ratio": 0.065, "curve": { "kind": "skin" } }] });
@@ -316,7 +316,7 @@ fn contact_offsets_are_computed_from_the_equilibrium() {
             1e-4,
         ),
     ] {
-        let scene = json!({ "schema": "implant-preview/scene/1", "implant": implant,
+        let scene = json!({ "tissue_model": "sheet", "implant": implant,
             "pocket_radius_mm": pocket, "layers": layers });
         let scene = Scene::from_json(&scene.to_string()).unwrap();
         let (exact, solver) = (solved(&scene, nodes, 1e-7), solved(&scene, nodes, tolerance));
@@ -328,7 +328,7 @@ fn contact_offsets_are_computed_from_the_equilibrium() {
 /// Rounding of positions had appeared as an increase of the energy and rejected all steps.
 #[test]
 fn a_small_insertion_is_solved_to_the_least_tolerance() {
-    let scene = json!({ "schema": "implant-preview/scene/1",
+    let scene = json!({ "tissue_model": "sheet",
         "implant": { "base_radius_mm": 22, "projection_mm": 2, "center_mm": [6.4, 11.3] },
         "pocket_radius_mm": 54, "insertion": 0.0165,
         "layers": [{ "tissue": "skin", "thickness_mm": 8.7, "poisson_ratio": 0.15,
@@ -340,7 +340,7 @@ fn a_small_insertion_is_solved_to_the_least_tolerance() {
 /// An insertion below the tolerance is solved if the dome would penetrate the sheet at rest.
 #[test]
 fn a_flat_dome_at_small_insertion_has_a_shape_at_every_tolerance() {
-    let scene = json!({ "schema": "implant-preview/scene/1",
+    let scene = json!({ "tissue_model": "sheet",
         "implant": { "base_radius_mm": 50, "projection_mm": 2 }, "insertion": 0.1 });
     let scene = Scene::from_json(&scene.to_string()).unwrap();
     for tolerance in [1e-2, 1e-3, 1e-4] {

@@ -350,11 +350,6 @@ fn with(field: &str) -> String {
     format!(r#"{{"implant":{{"base_radius_mm":50}},{field}}}"#)
 }
 
-/// As [`with`], of `scene/2`.
-fn with_second(field: &str) -> String {
-    with(&format!(r#""schema":"implant-preview/scene/2",{field}"#))
-}
-
 fn with_curve(curve: &str) -> String {
     with(&format!(r#""layers":[{{"curve":{curve}}}]"#))
 }
@@ -462,7 +457,7 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
         (with(r#""pocket_radius_mm":-0.0"#), &["pocket_radius_mm is -0"]),
         (
             with(r#""schema":"implant-preview/scene/4""#),
-            &["schema is", "scene/4", "scene/1, ", "scene/2 or", "scene/3"],
+            &["schema: is \"implant-preview/scene/4\"", "allowed: implant-preview/scene/1"],
         ),
         (with(r#""schema":"""#), &["schema", "implant-preview/scene/1"]),
         (with(r#""schema":1"#), &["schema", "expected a string"]),
@@ -516,16 +511,16 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
             &["layers[0].tissue is 1000000 bytes long", "100 bytes"],
         ),
         // Layered tissue.
-        (with_second(r#""tissue_model":"jelly""#), &["tissue_model", "layered"]),
-        (with_second(r#""tissue_model":["layered"]"#), &["tissue_model"]),
-        (with_second(r#""patch_radius_mm":1e308"#), &["patch_radius_mm is 1e308", "to 260 mm"]),
-        (with_second(r#""patch_radius_mm":-0.0"#), &["patch_radius_mm is -0"]),
-        (with_second(r#""attachment":[2,10]"#), &["attachment", "one JSON object"]),
-        (with_second(r#""attachment":{"ramp_mm":1e-300}"#), &["ramp_mm is 1e-300", "1 to 40 mm"]),
-        (with_second(r#""attachment":{"stiffness":2}"#), &["attachment", "unknown field"]),
-        (with_second(r#""solver":{"cells_through":1e300}"#), &["cells_through", "1 to 8"]),
-        (with_second(r#""solver":{"cells_through":-1}"#), &["cells_through", "1 to 8"]),
-        (with_second(r#""springs":"nikolaev""#), &["springs is nikolaev", "coupled"]),
+        (with(r#""tissue_model":"jelly""#), &["tissue_model", "layered"]),
+        (with(r#""tissue_model":["layered"]"#), &["tissue_model"]),
+        (with(r#""patch_radius_mm":1e308"#), &["patch_radius_mm is 1e308", "to 260 mm"]),
+        (with(r#""patch_radius_mm":-0.0"#), &["patch_radius_mm is -0"]),
+        (with(r#""attachment":[2,10]"#), &["attachment", "one JSON object"]),
+        (with(r#""attachment":{"ramp_mm":1e-300}"#), &["ramp_mm is 1e-300", "1 to 40 mm"]),
+        (with(r#""attachment":{"stiffness":2}"#), &["attachment", "unknown field"]),
+        (with(r#""solver":{"cells_through":1e300}"#), &["cells_through", "1 to 8"]),
+        (with(r#""solver":{"cells_through":-1}"#), &["cells_through", "1 to 8"]),
+        (with(r#""springs":"nikolaev""#), &["springs is nikolaev", "coupled"]),
         // Units: metres, micrometres, pascals, percent.
         (
             r#"{"implant":{"base_radius_mm":0.055}}"#.to_owned(),

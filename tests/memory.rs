@@ -22,7 +22,7 @@ static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 /// Measurements of an off-centre dome, on the whole sheet.
 fn sheet(nodes: usize) -> Problem {
     let scene = json!({
-        "schema": "implant-preview/scene/1",
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
         "solver": { "nodes_per_side": nodes, "tolerance": 1e-4 },
@@ -33,7 +33,7 @@ fn sheet(nodes: usize) -> Problem {
 /// The same of layered tissue with two cells through the thickness, on the whole patch.
 fn layered(nodes: usize) -> Problem {
     let scene = json!({
-        "schema": "implant-preview/scene/2", "tissue_model": "layered",
+        "tissue_model": "layered",
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
         "pocket_radius_mm": 65, "insertion": 0.8,
         "solver": { "nodes_per_side": nodes, "tolerance": 1e-3, "cells_through": 2 },
@@ -128,7 +128,7 @@ fn check_growth(growth: &Growth) -> Vec<String> {
 
 /// Repeated updates of a picture while the renderer still owns the previous meshes.
 fn draw_in_the_room_of_an_older_picture() {
-    let scene = json!({ "schema": "implant-preview/scene/1",
+    let scene = json!({ "tissue_model": "sheet",
         "implant": { "base_radius_mm": 55 }, "pocket_radius_mm": 70 });
     let mut session = Session::new(Scene::from_json(&scene.to_string()).unwrap()).unwrap();
     while session.advance(&mut || false) == Progress::Working {}

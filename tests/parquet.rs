@@ -33,7 +33,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
 fn with_template() -> PathBuf {
     let folder = folder();
     let scene = json!({
-        "schema": "implant-preview/scene/1",
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 30, "projection_mm": 20 },
         "pocket_radius_mm": 45,
         "layers": [

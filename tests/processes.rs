@@ -15,7 +15,7 @@ use std::time::Duration;
 
 fn sheet(projection_mm: f64) -> Value {
     json!({
-        "schema": "implant-preview/scene/1",
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 30, "projection_mm": projection_mm },
         "solver": { "nodes_per_side": 17 },
     })

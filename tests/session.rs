@@ -567,7 +567,7 @@ fn rejected_input_changes_nothing_and_is_reported_in_one_line() {
             r#"{"implant":{"base_radius_mm":100,"center_mm":[60,-80.5]}}"#,
             "implant.center_mm is 100.5 mm from the pocket's centre",
         ),
-        (r#"{"schema":"implant-preview/scene/9","implant":{"base_radius_mm":50}}"#, "schema"),
+        (r#"{"schema":"implant-preview/scene/2","implant":{"base_radius_mm":50}}"#, "schema"),
         (
             r#"{"implant":{"base_radius_mm":50},"layers":[{"curve":{"kind":"points","points":[[0,0],[0.5,2],[0.4,3]]}}]}"#,
             "layers[0].curve: points[2]",

@@ -21,7 +21,7 @@ use std::time::Duration;
 /// A small sheet of its own radius.
 fn sheet(k: usize) -> Value {
     json!({
-        "schema": "implant-preview/scene/1",
+        "tissue_model": "sheet",
         "implant": { "base_radius_mm": 30.0 + 0.001 * k as f64 },
         "solver": { "nodes_per_side": 17 },
     })
@@ -311,7 +311,7 @@ fn the_memory_of_a_stream_does_not_grow_with_its_scenes() {
         for k in 0..SCENES {
             let mut scene = with_id(sheet(k), json!(k));
             if k % 20 == 0 {
-                scene["schema"] = json!("implant-preview/scene/3");
+                scene["tissue_model"] = json!("layered");
                 scene["insertion"] = json!(0.5);
                 scene["implant"]["base_radius_mm"] = json!(50);
             }

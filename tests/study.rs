@@ -85,7 +85,7 @@ fn the_pocket_follows_the_implant_by_its_margin() {
         let width = 90.0 + 10.0 * i as f64;
         assert!((2.0 * point.implant.base_radius_mm - width).abs() < 1e-9);
         assert!((point.pocket_radius_mm - (0.5 * width + 5.0 + 10.0)).abs() < 1e-9);
-        let patch = point.body.unwrap().patch_radius_mm;
+        let patch = point.body.patch_radius_mm;
         assert!((patch - point.pocket_radius_mm - 60.0).abs() < 1e-9);
     }
     // An axis of the margin sets the margin at every point.
@@ -111,15 +111,15 @@ fn parameters_set_what_their_names_say() {
     let thick = at("thickness=10:21.5:2");
     assert!((thick.layers[1].thickness_mm - 20.0).abs() < 1e-12);
     assert!(at("poisson_ratio=0.3:0.4:2").layers.iter().all(|layer| layer.poisson_ratio == 0.4));
-    assert_eq!(at("attachment.ramp_mm=5:20:2").body.unwrap().attachment.ramp_mm, 20.0);
+    assert_eq!(at("attachment.ramp_mm=5:20:2").body.attachment.ramp_mm, 20.0);
     // Projection and volume together give the width.
     let axes = [axis("projection_mm=30:50:2"), axis("volume_ml=200:300:2")];
     let both = Map::new(&scene, &axes, coarse()).unwrap().scene(1, 1).unwrap();
     let volume = Parameter::Volume.value(&both).unwrap();
     assert!((volume - 300.0).abs() < 1e-9 && both.implant.projection_mm == 50.0);
-    // A sheet of scene/1 has all parameters of a sheet.
+    // A sheet has all parameters of a sheet.
     let map = Map::new(&sheet(), &[axis("strain_scale=0.5:2:2")], coarse()).unwrap();
-    assert_eq!(map.scene(0, 0).unwrap().body.unwrap().tissue_model, TissueModel::Sheet);
+    assert_eq!(map.scene(0, 0).unwrap().body.tissue_model, TissueModel::Sheet);
     for parameter in ["base_width_mm", "layers[3].thickness_mm", "patch_radius_mm", "insertion"] {
         assert_eq!(Parameter::of_name(parameter).unwrap().name(), parameter);
     }

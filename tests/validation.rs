@@ -107,7 +107,6 @@ fn grid(name: &str, of: impl Fn([f64; 2]) -> f64) -> Value {
 /// The scene of a case.
 fn scene(case: &Value, nodes: usize, cells: &Value) -> Scene {
     let mut scene = json!({
-        "schema": "implant-preview/scene/3",
         "implant": { "base_radius_mm": case["base_radius_mm"],
                      "projection_mm": case["projection_mm"] },
         "pocket_radius_mm": case["pocket_radius_mm"],

@@ -72,7 +72,7 @@ fn input_other_than_text_is_rejected_with_a_message() {
 #[wasm_bindgen_test]
 fn the_default_scene_and_the_version_are_valid() {
     let scene: Value = serde_json::from_str(&js::default_scene()).unwrap();
-    assert_eq!(scene["schema"], "implant-preview/scene/3");
+    assert_eq!(scene["schema"], "implant-preview/scene/1");
     assert_eq!(scene["tissue_model"], "layered");
     assert_eq!(scene["solver"]["nodes_per_side"], 129);
     let opening: Value = serde_json::from_str(&js::opening_scene()).unwrap();

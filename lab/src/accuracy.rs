@@ -66,7 +66,7 @@ pub fn measure(
     let Some(solver) = solved(&scene)? else { return Ok(None) };
     let cells_through = match problem.tissue {
         Tissue::Sheet => None,
-        Tissue::Layered { .. } => Some(problem.rest.cells().len()),
+        Tissue::Layered => Some(problem.rest.cells().len()),
     };
     let faces: Vec<(Face, &[DVec3])> = match solver.outer().last() {
         None => vec![(Face::Inner, solver.positions())],

@@ -145,7 +145,7 @@ def solve(scene: Scene, *, fields: Sequence[str] | None = None) -> dict[str, Any
 
     ``fields``: paths of the result, as ``"strain.max_principal"``, that are computed and returned beside ``status``; default: all.
 
-    Returns the result (docs/formats.md, ``result/3``): ``status``, ``contact_force_n`` [N], ``contact_pressure_mmhg``,
+    Returns the result (docs/formats.md, ``result/1``): ``status``, ``contact_force_n`` [N], ``contact_pressure_mmhg``,
     ``strain`` [-], ``cover_mm`` and more. The profiles (``profile``, ``profile_skin``, over a chest ``profile_y``,
     ``profile_skin_y``) are dictionaries of arrays of shape (points,), lengths in mm, stresses in kPa.
 

@@ -10,7 +10,7 @@ DASK = Path(__file__).parent.parent.parent / "examples" / "batch" / "dask_run.py
 
 def test_dask_returns_each_scene_once(tmp_path):
     count = 1500
-    scene = {"schema": "implant-preview/scene/1", "solver": {"nodes_per_side": 17}}
+    scene = {"tissue_model": "sheet", "solver": {"nodes_per_side": 17}}
     with open(tmp_path / "scenes.jsonl", "w") as scenes:
         for k in range(count):
             # The tenth radii are out of their limits.

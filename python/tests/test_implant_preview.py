@@ -18,7 +18,7 @@ EXAMPLES = Path(__file__).parent.parent / "examples"
 
 def sheet(radius=50.0, nodes=17, **more):
     implant = {"base_radius_mm": radius}
-    return {"schema": "implant-preview/scene/1", "implant": implant, "solver": {"nodes_per_side": nodes}} | more
+    return {"tissue_model": "sheet", "implant": implant, "solver": {"nodes_per_side": nodes}} | more
 
 
 def layered(**more):
@@ -110,7 +110,7 @@ def test_a_matrix_has_the_numbers_of_single_scenes():
     with pytest.raises(ip.SceneError, match="insertion and insertion set the same field"):
         ip.solve_matrix(layered(), ["insertion", "insertion"], [[1.0, 0.5]], outputs=["force_n"])
     # The path of another number in the template.
-    sheet = {"schema": "implant-preview/scene/1", "implant": {"base_radius_mm": 30}, "solver": {"nodes_per_side": 17}}
+    sheet = {"tissue_model": "sheet", "implant": {"base_radius_mm": 30}, "solver": {"nodes_per_side": 17}}
     found = ip.solve_matrix(sheet, ["solver.nodes_per_side"], [[17], [33]], outputs=["force_n"])
     finer = ip.solve(sheet | {"solver": {"nodes_per_side": 33}})
     assert found[1, 0] == pytest.approx(finer["contact_force_n"], rel=1e-6) and found[0, 0] != found[1, 0]

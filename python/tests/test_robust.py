@@ -18,7 +18,7 @@ import pytest
 
 def sheet(projection=20.0, nodes=17, **more):
     implant = {"base_radius_mm": 30, "projection_mm": projection}
-    return {"schema": "implant-preview/scene/1", "implant": implant, "solver": {"nodes_per_side": nodes}} | more
+    return {"tissue_model": "sheet", "implant": implant, "solver": {"nodes_per_side": nodes}} | more
 
 
 def volume(projection):

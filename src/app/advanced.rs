@@ -67,7 +67,7 @@ pub(super) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
 /// Is the model the usual one: skin on solid layers, standard law, patch and attachment of every plan?
 fn is_standard(scene: &Scene) -> bool {
     let usual = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
-    scene.springs == Springs::Coupled && scene.body.as_ref() == Some(&usual)
+    scene.springs == Springs::Coupled && scene.body == usual
 }
 
 /// Is the accuracy that of the opening plan?
@@ -257,7 +257,7 @@ fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
 /// Patch and attachment of layered tissue.
 fn attachment(ui: &mut Ui, scene: &mut Scene) {
     let pocket = scene.pocket_radius_mm;
-    let Some(body) = &mut scene.body else { return };
+    let body = &mut scene.body;
     let usual = Body::around(pocket, TissueModel::Layered);
     let (least, most) = Body::patch_range(pocket);
     Control {

@@ -233,7 +233,7 @@ impl PageHost {
                 app.move_to(&cc.egui_ctx, cc.gl.as_ref());
             } else {
                 let before = call("implantPreviewKept", "").as_string();
-                // A scene of an older version may be invalid.
+                // A kept text may be no valid scene.
                 let before = before.and_then(|json| Scene::from_json(&json).ok());
                 let is_kept = before.is_some();
                 let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());

@@ -45,7 +45,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     const opened = await solved(page);
     assert.deepEqual(opened.scene, opening);
     assert.equal(opened.scene.tissue_model, "layered");
-    assert.equal(opened.result.schema, "implant-preview/result/3");
+    assert.equal(opened.result.schema, "implant-preview/result/1");
     assert.equal(downloads.length, 1);
     assertSameAsNative(opened);
     // The words follow once they rest.

@@ -515,7 +515,7 @@ impl Choices<'_> {
         scene.to_string()
     }
 
-    /// A scene of `scene/2` with all fields, mostly of layered tissue, as JSON text.
+    /// A scene with all fields, mostly of layered tissue, as JSON text.
     pub(crate) fn layered_scene(&mut self) -> String {
         const MODELS: [&str; 4] = ["layered", "layered", "layered", "sheet"];
         let model = MODELS[usize::from(self.below(4))];
@@ -531,7 +531,6 @@ impl Choices<'_> {
         let keeps_springs = self.byte() >= 240;
         let mut scene: Value = serde_json::from_str(&self.scene()).expect("written above");
         let pocket = scene["pocket_radius_mm"].as_f64().unwrap_or(100.0);
-        scene["schema"] = json!("implant-preview/scene/2");
         scene["tissue_model"] = json!(model);
         scene["patch_radius_mm"] = json!(pocket + margin);
         scene["attachment"] = attachment;
@@ -542,16 +541,12 @@ impl Choices<'_> {
         scene.to_string()
     }
 
-    /// A scene with a chest, mostly of `scene/3` and of radii that its patch allows, as JSON text.
+    /// A scene with a chest, mostly of radii that its patch allows, as JSON text.
     pub(crate) fn chest_scene(&mut self) -> String {
         let sign = |c: &mut Self| if c.byte() < 192 { 1.0 } else { -1.0 };
         let across = sign(self) * self.number(100.0, 400.0);
         let along = (self.byte() < 128).then(|| sign(self) * self.number(100.0, 2000.0));
-        let is_newest = self.byte() < 240;
         let mut scene: Value = serde_json::from_str(&self.layered_scene()).expect("written above");
-        if is_newest {
-            scene["schema"] = json!("implant-preview/scene/3");
-        }
         scene["chest"] = json!({ "radius_across_mm": across, "radius_along_mm": along });
         scene.to_string()
     }
@@ -559,9 +554,6 @@ impl Choices<'_> {
     /// A scene with an anatomical implant, a scan of the chest and a thickness field, any of them absent, as JSON text.
     pub(crate) fn scanned_scene(&mut self) -> String {
         let mut scene: Value = serde_json::from_str(&self.layered_scene()).expect("written above");
-        if self.byte() < 250 {
-            scene["schema"] = json!("implant-preview/scene/3");
-        }
         if self.byte() < 128 {
             scene["implant"]["base_height_mm"] = json!(self.number(40.0, 160.0));
             scene["implant"]["apex_shift_mm"] = json!(self.number(-20.0, 20.0));

@@ -4,30 +4,27 @@ use serde_json::{Value, json};
 
 /// Small scenes that exercise every part of the solver.
 pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
+    let paper =
+        json!([{}, { "tissue": "adipose", "thickness_mm": 10, "curve": { "kind": "adipose" } }]);
     vec![
         (
             "layered",
             json!({ "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 33 } }),
         ),
         (
-            "layered-second",
-            json!({ "schema": "implant-preview/scene/2", "implant": { "base_radius_mm": 55 },
-                    "solver": { "nodes_per_side": 33 } }),
-        ),
-        (
             "sheet",
-            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
+            json!({ "tissue_model": "sheet", "layers": paper,
                     "implant": { "base_radius_mm": 55 }, "solver": { "nodes_per_side": 65 } }),
         ),
         (
             "off-centre",
-            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
+            json!({ "tissue_model": "sheet", "layers": paper,
                     "implant": { "base_radius_mm": 50, "center_mm": [12, -7] }, "pocket_radius_mm": 75,
                     "insertion": 0.7, "solver": { "nodes_per_side": 33 } }),
         ),
         (
             "flat-ellipsoid",
-            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet", "implant": { "base_radius_mm": 60, "projection_mm": 25 },
+            json!({ "tissue_model": "sheet", "implant": { "base_radius_mm": 60, "projection_mm": 25 },
                     "layers": [
                         { "poisson_ratio": 0.3, "thickness_mm": 2,
                           "curve": { "kind": "exponential", "scale_kpa": 2, "rate": 5 } },
@@ -38,7 +35,7 @@ pub(crate) fn scenes() -> Vec<(&'static str, Value)> {
         ),
         (
             "paper-springs",
-            json!({ "schema": "implant-preview/scene/2", "tissue_model": "sheet",
+            json!({ "tissue_model": "sheet",
                     "implant": { "base_radius_mm": 40 }, "insertion": 0.5, "springs": "nikolaev",
                     "layers": [ { "poisson_ratio": 0.3 } ], "solver": { "nodes_per_side": 33 } }),
         ),

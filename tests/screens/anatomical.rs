@@ -95,16 +95,6 @@ fn headline_and_summary_name_the_height() {
 }
 
 #[test]
-fn an_older_plan_is_round() {
-    let harness = app(DESKTOP, |scene: &mut Scene| {
-        scene.chest = None;
-        "implant-preview/scene/2".clone_into(&mut scene.schema);
-    });
-    assert_eq!(harness.query_all_by_label("anatomical").count(), 0);
-    assert!(harness.query_all_by_label("round").count() > 0);
-}
-
-#[test]
 fn an_anatomical_implant_fits_on_a_phone() {
     let mut harness = app(PHONE, coarse);
     choose(&mut harness, "anatomical");

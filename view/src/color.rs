@@ -41,7 +41,7 @@ pub enum Quantity {
     Cover,
     /// Layered tissue: pull of the attachment around the pocket.
     Traction,
-    /// Skin that wrinkles: taut, wrinkled or slack, with strokes along the wrinkles.
+    /// Layered tissue: taut, wrinkled or slack, with strokes along the wrinkles.
     Wrinkles,
 }
 
@@ -94,7 +94,7 @@ impl Quantity {
                 scene.is_layered() && layer < scene.layers.len()
             }
             Self::Cover | Self::Traction => scene.is_layered(),
-            Self::Wrinkles => scene.skin_wrinkles(),
+            Self::Wrinkles => scene.is_layered(),
         }
     }
 

@@ -1,11 +1,8 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
-use super::{
-    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Version, field, limits,
-    out_of_range, problem,
-};
+use super::{Scene, SceneError, field, limits, out_of_range};
 use crate::curve::{Curve, present, whole_of};
-use crate::mesh::{Attachment, Edge, Patch, automatic_cells, balanced_cells};
+use crate::mesh::{Attachment, Edge, Patch, balanced_cells};
 use crate::springs::Springs;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -21,7 +18,7 @@ pub enum TissueModel {
     Sheet,
 }
 
-/// The fields of a scene from `scene/2` on.
+/// Tissue model, patch and attachment of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Body {
     /// The tissue model.
@@ -53,8 +50,7 @@ impl Default for AttachmentSettings {
 /// Cells through the thickness of the solid layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellsThrough {
-    /// From `scene/3` on chosen so that the error through the thickness is about that of the grid; in `scene/2` from the
-    /// thickness.
+    /// Chosen so that the error through the thickness is about that of the grid.
     #[default]
     Auto,
     /// This number, 1 to 8 in layered tissue; each solid layer has one at least.
@@ -147,43 +143,26 @@ impl Body {
     }
 }
 
-/// Error of a field of `scene/2` in a scene of `scene/1`.
-pub(super) fn in_first(field: &str) -> SceneError {
-    problem(field, &format!("the field belongs to {SCENE_SCHEMA_2}; the schema is {SCENE_SCHEMA}"))
-}
-
 impl Scene {
     /// Is the tissue layered?
     #[must_use]
     pub fn is_layered(&self) -> bool {
-        self.body.is_some_and(|body| body.tissue_model == TissueModel::Layered)
+        self.body.tissue_model == TissueModel::Layered
     }
 
-    /// Does the skin wrinkle instead of being compressed? Layered tissue from `scene/3` on.
-    #[must_use]
-    pub fn skin_wrinkles(&self) -> bool {
-        self.is_layered() && Version::of(&self.schema) == Some(Version::Third)
-    }
-
-    /// Strain at which the curve of the skin turns steep \[-\], the skin's reserve ([`Curve::knee`]); `None` for a skin that
-    /// does not wrinkle, or whose curve does not stiffen so far.
+    /// Strain at which the curve of the skin turns steep \[-\], the skin's reserve ([`Curve::knee`]); `None` for a sheet, or a
+    /// skin whose curve does not stiffen so far.
     #[must_use]
     pub fn skin_knee(&self) -> Option<f64> {
-        let skin = self.layers.first().filter(|_| self.skin_wrinkles())?;
+        let skin = self.layers.first().filter(|_| self.is_layered())?;
         Curve::scaled(&skin.curve).ok()?.knee()
     }
 
-    /// Sets the tissue model; a scene of `scene/1` becomes one of `scene/3`. Layered tissue has the coupled springs, and
+    /// Sets the tissue model. Layered tissue has the coupled springs, and
     /// its patch, attachment and cells are moved into their limits, which a sheet does not check. A sheet has a flat chest
     /// and layers of even thickness.
     pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
-        if self.schema == SCENE_SCHEMA {
-            SCENE_SCHEMA_3.clone_into(&mut self.schema);
-        }
-        let pocket = self.pocket_radius_mm;
-        let mut body = self.body.unwrap_or_else(|| Body::around(pocket, tissue_model));
-        body.tissue_model = tissue_model;
-        self.body = Some(body);
+        self.body.tissue_model = tissue_model;
         if tissue_model == TissueModel::Sheet {
             (self.chest, self.chest_grid, self.thickness_field) = (None, None, None);
         }
@@ -207,34 +186,13 @@ impl Scene {
         self.springs = springs;
     }
 
-    /// Checks the fields of a scene from `scene/2` on.
+    /// Checks cells and springs of layered tissue.
     pub(super) fn check_body(&self) -> Result<(), SceneError> {
-        let is_first = self.schema == SCENE_SCHEMA;
-        let cells = self.solver.cells_through;
-        let mut layers = self.layers.iter().enumerate();
-        let scaled = layers.find_map(|(k, layer)| Some(format!("layers[{k}].{}", layer.scale()?)));
-        if self.body.is_none() {
-            return match cells {
-                _ if !is_first => {
-                    Err(problem("tissue_model", "missing in a scene of scene/2 or later"))
-                }
-                Some(_) => Err(in_first("solver.cells_through")),
-                None if self.patient.is_some() => Err(in_first("patient")),
-                None if self.visit.is_some() => Err(in_first("visit")),
-                None => match scaled {
-                    Some(field) => Err(in_first(&field)),
-                    None => Ok(()),
-                },
-            };
-        }
-        if is_first {
-            return Err(in_first("tissue_model"));
-        }
         if !self.is_layered() {
             return Ok(());
         }
         let (least, most) = limits::CELLS_THROUGH;
-        if let Some(CellsThrough::Count(count)) = cells
+        if let Some(CellsThrough::Count(count)) = self.solver.cells_through
             && !(least..=most).contains(&count)
         {
             let allowed = format!("\"auto\" or {least} to {most}");
@@ -253,11 +211,9 @@ impl Scene {
 
 impl CellsThrough {
     /// The number for solids of these thicknesses \[mm\].
-    pub(super) fn count(self, solids_mm: &[f64], skin_wrinkles: bool, spacing_mm: f64) -> usize {
+    pub(super) fn count(self, solids_mm: &[f64], spacing_mm: f64) -> usize {
         match self {
-            // The versions differ in both, see `Scene::skin_wrinkles`.
-            Self::Auto if skin_wrinkles => balanced_cells(solids_mm, spacing_mm),
-            Self::Auto => automatic_cells(solids_mm),
+            Self::Auto => balanced_cells(solids_mm, spacing_mm),
             Self::Count(count) => count,
         }
     }

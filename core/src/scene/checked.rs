@@ -20,9 +20,9 @@ pub struct CheckedScene {
 
 /// What wall and thickness, and their limits, depend on.
 fn ground(scene: &Scene) -> impl PartialEq + '_ {
-    let Scene { schema, body, pocket_radius_mm, layers, .. } = scene;
+    let Scene { body, pocket_radius_mm, layers, .. } = scene;
     let grids = (&scene.chest, &scene.chest_grid, &scene.thickness_field);
-    (schema, body, pocket_radius_mm, layers, grids)
+    (body, pocket_radius_mm, layers, grids)
 }
 
 impl CheckedScene {
@@ -106,7 +106,7 @@ impl CheckedScene {
         )
         .anatomical(0.5 * implant.base_height(), implant.apex_shift_mm)
         .filled(implant.fullness());
-        let body = self.scene.body.filter(|_| self.scene.is_layered());
+        let body = Some(self.scene.body).filter(|_| self.scene.is_layered());
         let patch = match body {
             None => Patch::clamped_at_pocket(*pocket_radius_mm),
             Some(body) => body.patch(*pocket_radius_mm),
@@ -118,17 +118,16 @@ impl CheckedScene {
             Some(_) => {
                 let solids = self.materials[1..].iter().rev();
                 let solids_mm: Vec<f64> = solids.map(|solid| solid.thickness_mm).collect();
-                let skin_wrinkles = self.scene.skin_wrinkles();
                 let cells = solver.cells_through.unwrap_or_default();
                 // As many as the thickest place needs.
                 let factor = self.thickness.as_ref().map_or(1.0, ThicknessField::greatest);
                 let thickest: Vec<f64> = solids_mm.iter().map(|solid| solid * factor).collect();
-                let cells = cells.count(&thickest, skin_wrinkles, sheet.spacing_mm());
+                let cells = cells.count(&thickest, sheet.spacing_mm());
                 let mut rest = Rest::layered(sheet, &solids_mm, cells);
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());
                 }
-                (Tissue::Layered { skin_wrinkles }, rest)
+                (Tissue::Layered, rest)
             }
         };
         Problem {

@@ -1,6 +1,6 @@
 //! The chest wall of a scene: flat where the scene has none, otherwise curved by two radii.
 
-use super::{Field, SCENE_SCHEMA_3, Scene, SceneError, Version, field, out_of_range, problem};
+use super::{Field, Scene, SceneError, field, out_of_range};
 use crate::curve::number;
 use crate::mesh::Chest;
 use glam::DVec2;
@@ -75,12 +75,6 @@ impl Scene {
         (self.chest, self.chest_grid) = (chest, None);
     }
 
-    /// May the scene have a chest? Layered tissue from `scene/3` on.
-    #[must_use]
-    pub fn may_have_chest(&self) -> bool {
-        self.skin_wrinkles()
-    }
-
     /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred round implant under
     /// even tissue on a flat or spherical chest?
     #[must_use]
@@ -127,9 +121,6 @@ impl Scene {
 
     /// Checks that the scene may have a chest.
     pub(super) fn check_may_have_chest(&self) -> Result<(), SceneError> {
-        if Version::of(&self.schema) != Some(Version::Third) {
-            return Err(in_third("chest", &self.schema));
-        }
         if !self.is_layered() {
             let allowed = "no chest with tissue_model sheet, which is flat";
             return Err(out_of_range("chest", "curved".to_owned(), allowed));
@@ -140,7 +131,7 @@ impl Scene {
     /// Radius of the simulated tissue \[mm\].
     #[must_use]
     pub fn patch_radius(&self) -> f64 {
-        self.body.map_or(self.pocket_radius_mm, |body| body.patch_radius_mm)
+        self.body.patch_radius_mm
     }
 
     /// Thickness of all layers, where the solids have their own \[mm\].
@@ -171,11 +162,6 @@ impl Scene {
         }
         Ok(())
     }
-}
-
-/// Error of a field of `scene/3` in an older scene.
-pub(super) fn in_third(field: &str, schema: &str) -> SceneError {
-    problem(field, &format!("the field belongs to {SCENE_SCHEMA_3}; the schema is {schema}"))
 }
 
 #[cfg(test)]
@@ -257,10 +243,6 @@ mod tests {
             (
                 r#""tissue_model": "sheet", "chest": { "radius_across_mm": 140 }"#,
                 "chest is curved; allowed: no chest with tissue_model sheet",
-            ),
-            (
-                r#""schema": "implant-preview/scene/2", "chest": { "radius_across_mm": 140 }"#,
-                "chest: the field belongs to implant-preview/scene/3",
             ),
         ] {
             // 72 mm of curvature carry a patch of 96 mm.

@@ -94,7 +94,7 @@ macro_rules! value {
     (Scene implant.base_height_mm) => { |scene, _| Some(scene.implant.base_height()) };
     (Scene implant.fullness) => { |scene, _| Some(scene.implant.fullness()) };
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
-    (Body $($at:tt)+) => { |scene, _| Some(scene.body.as_ref()?.$($at)+) };
+    (Body $($at:tt)+) => { |scene, _| Some(scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_ref()?.radius($axis) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_ref()?.measured.$($at)+ };
@@ -111,7 +111,7 @@ macro_rules! place {
         |scene, _| Some(scene.implant.fullness.get_or_insert(HALF_ELLIPSOID))
     };
     (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
-    (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.as_mut()?.$($at)+) };
+    (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_mut()?.place($axis) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_mut()?.measured.$($at)+.as_mut() };

@@ -3,16 +3,15 @@
 use super::chest_grid::BOTH;
 use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
-use super::visit::VisitFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    SCENE_SCHEMA, SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SceneError, Side, SolverSettings,
-    ThicknessGrid, TissueModel, Version, body, chest, limits, patient, pins, problem,
+    SCENE_SCHEMA, Scene, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel, Visit,
+    limits, one_line, patient, pins, problem,
 };
 use crate::curve::{List, Pair, given, given_object, number, object, present, present_object};
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::IgnoredAny;
+use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 
@@ -24,9 +23,10 @@ const SAME_VOLUME: f64 = 2e-3;
 #[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Scene")]
 pub(super) struct SceneFile {
-    /// `implant-preview/scene/1`, a sheet, `implant-preview/scene/2` or `implant-preview/scene/3`. Default: the newest.
-    #[serde(default = "newest_schema", deserialize_with = "present")]
-    pub(super) schema: String,
+    /// `implant-preview/scene/1`, the default.
+    #[serde(default, rename = "schema", deserialize_with = "known_schema")]
+    #[schemars(with = "String")]
+    _schema: (),
     /// Any JSON value; no computation depends on it. The command line copies it to the result.
     #[serde(default, rename = "id")]
     #[schemars(with = "serde_json::Value")]
@@ -37,44 +37,43 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     pub(super) pocket_radius_mm: Option<f64>,
-    /// From `scene/2` on. Default: layered.
+    /// Default: layered.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "TissueModel")]
     pub(super) tissue_model: Option<TissueModel>,
-    /// From `scene/2` on: radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
+    /// Radius of the simulated tissue \[mm\], pocket + 20 to 260. Default: pocket + 60, at most 260.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     pub(super) patch_radius_mm: Option<f64>,
-    /// From `scene/2` on.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) attachment: Option<AttachmentSettings>,
-    /// From `scene/3` on, of layered tissue: the chest wall. Default: flat.
+    /// Of layered tissue: the chest wall. Default: flat.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) chest: Option<ChestFile>,
     #[serde(default = "full_insertion", deserialize_with = "present")]
     pub(super) insertion: f64,
-    /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49 from `scene/3` on.
+    /// Default: skin and adipose, whose curve is `fat` and whose ν is 0.49.
     #[serde(default, deserialize_with = "layers")]
     #[schemars(with = "Vec<LayerFile>")]
     pub(super) layers: Option<Vec<LayerFile>>,
-    /// From `scene/3` on, of layered tissue: factors of the thickness of all solid layers. Default: even.
+    /// Of layered tissue: factors of the thickness of all solid layers. Default: even.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) thickness_field: Option<ThicknessGrid>,
-    /// From `scene/2` on: what was measured on a person.
+    /// What was measured on a person.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) patient: Option<PatientFile>,
-    /// From `scene/2` on: the patient's side of the breast. Default: drawn as `left`.
+    /// The patient's side of the breast. Default: drawn as `left`.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "Side")]
     pub(super) side: Option<Side>,
-    /// From `scene/2` on: reference, date of the visit, surgeon, remarks; a computation ignores them.
+    /// Reference, date of the visit, surgeon, remarks; a computation ignores them.
     #[serde(default, deserialize_with = "given_object")]
-    pub(super) visit: Option<VisitFile>,
+    pub(super) visit: Option<Visit>,
     #[serde(default, deserialize_with = "present")]
     pub(super) springs: Springs,
     #[serde(default, deserialize_with = "present_object")]
     pub(super) solver: SolverSettings,
-    /// From `scene/2` on: up to 4 scenes for comparison; a computation ignores them.
+    /// Up to 4 scenes for comparison; a computation ignores them.
     #[serde(default, deserialize_with = "pins::list")]
     #[schemars(with = "Vec<pins::PinFile>")]
     pub(super) pins: Option<Vec<pins::PinFile>>,
@@ -92,23 +91,23 @@ pub(super) struct ImplantFile {
     #[serde(default, deserialize_with = "present")]
     #[schemars(with = "[f64; 2]")]
     center_mm: Pair,
-    /// From `scene/3` on: height of the base along the body \[mm\], half to twice the width. Default: twice the base radius (round).
+    /// Height of the base along the body \[mm\], half to twice the width. Default: twice the base radius (round).
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     base_height_mm: Option<f64>,
-    /// From `scene/3` on: way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
+    /// Way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     apex_shift_mm: Option<f64>,
-    /// From `scene/3` on: volume by π a b p of the half-axes of the base and the projection, 0.55 to 0.8. Default: 2/3 (half of an ellipsoid).
+    /// Volume by π a b p of the half-axes of the base and the projection, 0.55 to 0.8. Default: 2/3 (half of an ellipsoid).
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     fullness: Option<f64>,
-    /// From `scene/3` on: volume \[ml\], instead of the fullness, which follows.
+    /// Volume \[ml\], instead of the fullness, which follows.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     volume_ml: Option<f64>,
-    /// From `scene/3` on: the maker's name of the size, up to 60 characters in one line; no computation depends on it, the result has it as
+    /// The maker's name of the size, up to 60 characters in one line; no computation depends on it, the result has it as
     /// `implant_reference`. Default: not stated.
     #[serde(default, deserialize_with = "present")]
     reference: String,
@@ -189,8 +188,14 @@ fn layers<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<LayerFile>>
     Ok(Some(list.0.into_iter().map(|entry| entry.0).collect()))
 }
 
-pub(super) fn newest_schema() -> String {
-    SCENE_SCHEMA_3.to_owned()
+/// Reads the schema, the only one.
+fn known_schema<'de, D: Deserializer<'de>>(reader: D) -> Result<(), D::Error> {
+    let schema: String = present(reader)?;
+    if schema == SCENE_SCHEMA {
+        return Ok(());
+    }
+    let schema = one_line(&format!("{schema:?}"), 40);
+    Err(D::Error::custom(format!("is {schema}; allowed: {SCENE_SCHEMA}")))
 }
 
 pub(super) fn full_insertion() -> f64 {
@@ -223,70 +228,28 @@ impl SceneFile {
     /// Fills omitted fields with defaults; checks the pins and drops them.
     ///
     /// # Errors
-    /// A field of `scene/2` in a scene of `scene/1`, an invalid pin; all other checks are those of [`CheckedScene::new`].
+    /// An invalid pin, volume or patient; all other checks are those of [`CheckedScene::new`].
     pub(super) fn filled(self) -> Result<Scene, SceneError> {
         let mut file = self;
         file.take_pins()?;
-        let is_first = file.schema == SCENE_SCHEMA;
-        if is_first {
-            for (field, is_given) in [
-                ("tissue_model", file.tissue_model.is_some()),
-                ("patch_radius_mm", file.patch_radius_mm.is_some()),
-                ("attachment", file.attachment.is_some()),
-                ("solver.cells_through", file.solver.cells_through.is_some()),
-                ("patient", file.patient.is_some()),
-                ("side", file.side.is_some()),
-                ("visit", file.visit.is_some()),
-            ] {
-                if is_given {
-                    return Err(body::in_first(field));
-                }
-            }
-            let mut layers = file.layers.iter().flatten().enumerate();
-            if let Some((k, field)) = layers.find_map(|(k, layer)| Some((k, layer.given_scale()?)))
-            {
-                return Err(body::in_first(&format!("layers[{k}].{field}")));
-            }
-        }
-        if matches!(file.schema.as_str(), SCENE_SCHEMA | SCENE_SCHEMA_2) {
-            for (field, is_given) in [
-                ("implant.base_height_mm", file.implant.base_height_mm.is_some()),
-                ("implant.apex_shift_mm", file.implant.apex_shift_mm.is_some()),
-                ("implant.fullness", file.implant.fullness.is_some()),
-                ("implant.volume_ml", file.implant.volume_ml.is_some()),
-            ] {
-                if is_given {
-                    return Err(chest::in_third(field, &file.schema));
-                }
-            }
-        }
         let implant = file.implant.shape()?;
         let pocket_radius_mm = file.pocket_radius_mm.unwrap_or_else(|| {
             (implant.least_pocket_mm() + 15.0).min(limits::POCKET_RADIUS_MAX_MM)
         });
-        let body = (!is_first).then(|| {
-            let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
-            Body {
-                patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
-                attachment: file.attachment.unwrap_or_default(),
-                ..default
-            }
-        });
+        let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
+        let body = Body {
+            patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
+            attachment: file.attachment.unwrap_or_default(),
+            ..default
+        };
         // For each layer of the file the fields that a patient may fill.
         let given = file.layers.iter().flatten().map(patient::Given::of).collect::<Vec<_>>();
         let layers = match file.layers {
             Some(layers) => layers.into_iter().map(Layer::from).collect(),
-            None => default_layers(Version::of(&file.schema).unwrap_or(Version::Third)),
+            None => default_layers(),
         };
         let (chest, chest_grid) = file.chest.map(ChestFile::wall).transpose()?.unwrap_or_default();
-        let (visit, side) = match file.visit {
-            Some(visit) => visit.read(file.side).map(|(visit, side)| (Some(visit), side))?,
-            None => (None, file.side),
-        };
-        // An older file may state the side alone there.
-        let visit = visit.filter(|visit| side.is_none() || !visit.is_empty());
         let mut scene = Scene {
-            schema: file.schema,
             implant,
             implant_reference: file.implant.reference,
             pocket_radius_mm,
@@ -297,8 +260,8 @@ impl SceneFile {
             layers,
             thickness_field: file.thickness_field,
             patient: None,
-            side,
-            visit,
+            side: file.side,
+            visit: file.visit,
             springs: file.springs,
             solver: file.solver,
         };

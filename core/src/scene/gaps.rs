@@ -25,14 +25,14 @@ fn scenes() -> Vec<Value> {
         .collect();
     let grid = |values: &str, value: f64| json!({ "spacing_mm": 50, "columns": 13, "rows": 13, values: vec![value; 169] });
     let full = json!({
-        "schema": "implant-preview/scene/3", "id": 7,
+        "schema": "implant-preview/scene/1", "id": 7,
         "implant": { "base_radius_mm": 60, "projection_mm": 40, "center_mm": [0, 0], "base_height_mm": 130, "apex_shift_mm": 5 },
         "pocket_radius_mm": 70, "tissue_model": "layered", "patch_radius_mm": 130,
         "attachment": { "stiffness_kpa_per_mm": 2, "ramp_mm": 10 },
         "chest": { "radius_across_mm": 140, "radius_along_mm": 400 },
         "insertion": 1, "layers": layers, "thickness_field": grid("factors", 1.0),
         "patient": { "base_width_mm": 120, "pinch_mm": 30, "skin_pull_mm": 20, "derived": [] },
-        "visit": { "reference": "a", "side": "left", "date": "2024-02-29", "surgeon": "b", "remarks": "c",
+        "side": "left", "visit": { "reference": "a", "date": "2024-02-29", "surgeon": "b", "remarks": "c",
             "fill_steps": { "start_ml": 100, "visit_ml": 50, "weeks": 1 } },
         "springs": "coupled", "solver": { "nodes_per_side": 33, "tolerance": 1e-3, "cells_through": "auto" },
         "pins": [{ "letter": "A", "name": "d", "scene": { "implant": { "base_radius_mm": 60, "projection_mm": 40 } } }],

@@ -1,6 +1,6 @@
 //! One layer of tissue, and its format in a file.
 
-use super::{Scene, Version};
+use super::Scene;
 use crate::curve::{Curve, CurveSpec, Fat, GivenCurve, ScaledCurve, given, present};
 use crate::tensile;
 use schemars::JsonSchema;
@@ -58,16 +58,6 @@ impl LayerFile {
     pub(super) fn strain_scale(&self) -> Option<f64> {
         self.curve.as_ref().and_then(|curve| curve.strain_scale)
     }
-
-    /// The first scale of the curve that the file contains, as a path in the layer.
-    pub(super) fn given_scale(&self) -> Option<&'static str> {
-        let curve = self.curve.as_ref()?;
-        match (curve.strain_scale, curve.stress_scale) {
-            (Some(_), _) => Some("curve.strain_scale"),
-            (None, Some(_)) => Some("curve.stress_scale"),
-            (None, None) => None,
-        }
-    }
 }
 
 /// Thickness of a layer without a thickness \[mm\].
@@ -82,9 +72,8 @@ fn default_poisson_ratio() -> f64 {
 }
 
 /// The layers of a scene without layers.
-pub(super) fn default_layers(version: Version) -> Vec<Layer> {
-    let adipose = if version < Version::Third { Layer::paper_adipose() } else { Layer::adipose() };
-    vec![Layer::skin(), adipose]
+pub(super) fn default_layers() -> Vec<Layer> {
+    vec![Layer::skin(), Layer::adipose()]
 }
 
 impl Layer {
@@ -110,7 +99,7 @@ impl Layer {
         }
     }
 
-    /// The paper's adipose, 10 mm: curve `adipose`, ν = 0.45; the default below `scene/3`.
+    /// The paper's adipose, 10 mm: curve `adipose`, ν = 0.45.
     #[must_use]
     pub fn paper_adipose() -> Self {
         Self {
@@ -131,19 +120,6 @@ impl Layer {
     fn curve_warning(&self) -> Option<String> {
         let CurveSpec::Points { .. } = self.curve.spec else { return None };
         tensile::unlikely(&Curve::scaled(&self.curve).ok()?, &self.tissue)
-    }
-
-    /// The first scale of the curve that differs from 1, as a path in the layer.
-    pub(super) fn scale(&self) -> Option<&'static str> {
-        let curve = &self.curve;
-        let scales = [
-            ("curve.strain_scale", curve.strain_scale),
-            ("curve.stress_scale", curve.stress_scale),
-        ];
-        scales
-            .into_iter()
-            .find(|(_, scale)| scale.to_bits() != 1.0_f64.to_bits())
-            .map(|(path, _)| path)
     }
 }
 

@@ -42,7 +42,7 @@ pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem};
 pub use field::Field;
 use field::Part;
-use file::{SceneFile, full_insertion, newest_schema};
+use file::{SceneFile, full_insertion};
 use glam::DVec2;
 use layer::default_layers;
 pub use layer::{Layer, tissue_in_words};
@@ -55,31 +55,8 @@ use serde::{Deserialize, Serialize};
 pub use thickness::ThicknessGrid;
 pub use visit::{FillSchedule, Side, Visit};
 
-/// The schema of a sheet.
+/// The schema of a scene, and that of a scene without schema.
 pub const SCENE_SCHEMA: &str = "implant-preview/scene/1";
-/// The schema with a choice of tissue model.
-pub const SCENE_SCHEMA_2: &str = "implant-preview/scene/2";
-/// The newest schema, and that of a scene without schema: fat as measured, skin that wrinkles instead of being compressed.
-pub const SCENE_SCHEMA_3: &str = "implant-preview/scene/3";
-
-/// The version of a schema.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Version {
-    First,
-    Second,
-    Third,
-}
-
-impl Version {
-    fn of(schema: &str) -> Option<Self> {
-        match schema {
-            SCENE_SCHEMA => Some(Self::First),
-            SCENE_SCHEMA_2 => Some(Self::Second),
-            SCENE_SCHEMA_3 => Some(Self::Third),
-            _ => None,
-        }
-    }
-}
 
 /// Inclusive bounds of whole numbers, and bounds that other numbers narrow; those of all other numbers are in [`field`].
 pub mod limits {
@@ -101,8 +78,6 @@ pub mod limits {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "SceneFile")]
 pub struct Scene {
-    /// [`SCENE_SCHEMA`], [`SCENE_SCHEMA_2`] or [`SCENE_SCHEMA_3`].
-    pub schema: String,
     /// The dome.
     pub implant: Implant,
     /// The maker's name of the implant's size, up to 60 characters in one line, in a file `reference` in `implant`; empty: not stated. No
@@ -110,30 +85,23 @@ pub struct Scene {
     pub implant_reference: String,
     /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
     pub pocket_radius_mm: f64,
-    /// Tissue model and patch; `None` in `scene/1`, a sheet.
-    #[serde(flatten)]
-    pub body: Option<Body>,
-    /// The chest wall; `None`: flat. Layered tissue from `scene/3` on.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Tissue model and patch.
+    pub body: Body,
+    /// The chest wall; `None`: flat. Layered tissue only.
     pub chest: Option<ChestShape>,
     /// The chest wall by a grid of heights, instead of radii: in a file `grid` in `chest`.
-    #[serde(rename = "chest", skip_serializing_if = "Option::is_none")]
     pub chest_grid: Option<ChestGrid>,
     /// Insertion t \[-\], 0 (flat) to 1 (full height).
     pub insertion: f64,
     /// Layers from the skin inwards, 1 to 8.
     pub layers: Vec<Layer>,
-    /// Factors of the thickness of all solid layers from place to place; `None`: even. Layered tissue from `scene/3` on.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Factors of the thickness of all solid layers from place to place; `None`: even. Layered tissue only.
     pub thickness_field: Option<ThicknessGrid>,
-    /// Measurements of a person, and the fields that were derived from them; `None` in `scene/1`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Measurements of a person, and the fields that were derived from them.
     pub patient: Option<Patient>,
-    /// The patient's side of the breast; `None`: not stated, drawn as a left one. `None` in `scene/1`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// The patient's side of the breast; `None`: not stated, drawn as a left one.
     pub side: Option<Side>,
-    /// Patient and visit in words; no result depends on the visit. `None` in `scene/1`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Patient and visit in words; no result depends on the visit.
     pub visit: Option<Visit>,
     /// The spring law.
     pub springs: Springs,
@@ -141,8 +109,8 @@ pub struct Scene {
     pub solver: SolverSettings,
 }
 
-/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius; from `scene/3` on anatomical with another height of
-/// the base or a lower apex, and of another fullness.
+/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius; anatomical with another height of
+/// the base or a lower apex; of another fullness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Implant {
     /// Base radius R \[mm\], 10 to 120; of an anatomical implant half of the base's width.
@@ -296,15 +264,14 @@ impl Default for Scene {
     fn default() -> Self {
         let pocket_radius_mm = 70.0;
         Self {
-            schema: newest_schema(),
             implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
             implant_reference: String::new(),
             pocket_radius_mm,
-            body: Some(Body::around(pocket_radius_mm, TissueModel::Layered)),
+            body: Body::around(pocket_radius_mm, TissueModel::Layered),
             chest: None,
             chest_grid: None,
             insertion: full_insertion(),
-            layers: default_layers(Version::Third),
+            layers: default_layers(),
             thickness_field: None,
             patient: None,
             side: None,
@@ -348,15 +315,13 @@ impl Scene {
         scene
     }
 
-    /// The default scene of `scene/1`, a sheet.
+    /// The sheet of the paper: skin and its adipose in one membrane over the implant of the default scene.
     #[must_use]
     pub fn sheet() -> Self {
-        Self {
-            schema: SCENE_SCHEMA.to_owned(),
-            body: None,
-            layers: default_layers(Version::First),
-            ..Self::default()
-        }
+        let mut scene =
+            Self { layers: vec![Layer::skin(), Layer::paper_adipose()], ..Self::default() };
+        scene.set_tissue_model(TissueModel::Sheet);
+        scene
     }
 
     /// Reads a scene from JSON and checks it.
@@ -383,15 +348,7 @@ impl Scene {
 
     /// Checks every field but the curves.
     fn check_limits(&self) -> Result<(), SceneError> {
-        if Version::of(&self.schema).is_none() {
-            let schema = one_line(&format!("{:?}", self.schema), 40);
-            return Err(out_of_range(
-                "schema",
-                schema,
-                &format!("{SCENE_SCHEMA}, {SCENE_SCHEMA_2} or {SCENE_SCHEMA_3}"),
-            ));
-        }
-        self.check_may_be_anatomical()?;
+        visit::check_line(REFERENCE, &self.implant_reference, MAX_IMPLANT_REFERENCE)?;
         self.check_numbers(Part::Scene)?;
         let (implant, most) = (&self.implant, limits::POCKET_RADIUS_MAX_MM);
         let half = if implant.is_round() { "base radius" } else { "half of the base" };
@@ -460,29 +417,6 @@ impl Scene {
         }
     }
 
-    /// May the implant be anatomical, have a fullness and a reference? From `scene/3` on.
-    #[must_use]
-    pub fn may_be_anatomical(&self) -> bool {
-        Version::of(&self.schema) == Some(Version::Third)
-    }
-
-    /// Checks that an anatomical implant, a fullness and a reference have the schema for them, and the reference.
-    fn check_may_be_anatomical(&self) -> Result<(), SceneError> {
-        for (number, is_given) in [
-            (Field::BaseHeight, self.implant.base_height_mm.is_some()),
-            (Field::ApexShift, self.implant.apex_shift_mm != 0.0),
-            (Field::Fullness, self.implant.fullness.is_some()),
-        ] {
-            if is_given && !self.may_be_anatomical() {
-                return Err(chest::in_third(number.path, &self.schema));
-            }
-        }
-        if !(self.implant_reference.is_empty() || self.may_be_anatomical()) {
-            return Err(chest::in_third(REFERENCE, &self.schema));
-        }
-        visit::check_line(REFERENCE, &self.implant_reference, MAX_IMPLANT_REFERENCE)
-    }
-
     /// The problem of the scene, for the solver.
     ///
     /// # Errors
@@ -496,7 +430,6 @@ impl Scene {
     pub fn same_physics(&self, other: &Self) -> bool {
         let of = |scene: &Self| {
             let Self {
-                schema: _,
                 implant,
                 implant_reference: _,
                 pocket_radius_mm,
@@ -513,12 +446,10 @@ impl Scene {
                 solver,
             } = scene;
             // Patch and attachment belong to layered tissue.
-            let body = body.filter(|_| scene.is_layered());
+            let body = Some(*body).filter(|_| scene.is_layered());
             let cells = solver.cells_through.unwrap_or_default();
             let grid = (solver.nodes_per_side, solver.tolerance, body.map(|_| cells));
-            // The version determines the law of compressed skin.
-            let wrinkles = scene.skin_wrinkles();
-            (implant.in_few_words(), *pocket_radius_mm, body, *insertion, *springs, grid, wrinkles)
+            (implant.in_few_words(), *pocket_radius_mm, body, *insertion, *springs, grid)
         };
         of(self) == of(other)
             && (self.chest, &self.chest_grid) == (other.chest, &other.chest_grid)

@@ -6,10 +6,9 @@
 //! A determined field is either *derived* (its path is in [`Patient::derived`]) or *set by hand*. Reading a file never
 //! changes a number that the file contains.
 
-use super::body::in_first;
 use super::field::Field;
 use super::layer::{ADIPOSE, LayerFile};
-use super::{SCENE_SCHEMA, Scene, SceneError, limits, one_line, out_of_range};
+use super::{Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{
     ClinicalError, Derived, EnvelopeFill, Measurements, PatientValue, SkinClass,
 };
@@ -187,12 +186,8 @@ impl Scene {
     /// from a measurement that is no longer given stay in the scene.
     ///
     /// # Errors
-    /// The scene is of `scene/1`, a measurement is invalid, or a derived value is out of its range; the scene is
-    /// unchanged.
+    /// A measurement is invalid, or a derived value is out of its range; the scene is unchanged.
     pub fn apply_patient(&mut self, measured: Measurements) -> Result<(), SceneError> {
-        if self.schema == SCENE_SCHEMA {
-            return Err(in_first("patient"));
-        }
         measured.check().map_err(error)?;
         let is_by_hand = |value: &PatientValue| value.set_by_hand;
         let by_hand: Vec<String> =
@@ -266,11 +261,7 @@ impl Scene {
 
     /// Checks the patient's measurements.
     pub(super) fn check_patient(&self) -> Result<(), SceneError> {
-        match &self.patient {
-            Some(_) if self.schema == SCENE_SCHEMA => Err(in_first("patient")),
-            Some(patient) => patient.measured.check().map_err(error),
-            None => Ok(()),
-        }
+        self.patient.as_ref().map_or(Ok(()), |patient| patient.measured.check().map_err(error))
     }
 
     fn has_preset_skin(&self) -> bool {

@@ -1,9 +1,6 @@
 //! Pins: scenes kept beside the current scene for comparison, in a scene file and in a list of their own.
 
-use super::{
-    CheckedScene, SCENE_SCHEMA, SCENE_SCHEMA_3, Scene, SceneError, SceneFile, TissueModel, body,
-    check_words, out_of_range, read,
-};
+use super::{CheckedScene, Scene, SceneError, SceneFile, check_words, out_of_range, read};
 use crate::curve::{List, given, object, present};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -134,11 +131,7 @@ pub(crate) fn check_name(field: &str, name: &str) -> Result<(), SceneError> {
 impl SceneFile {
     /// Takes the checked pins out of the file.
     pub(super) fn take_pins(&mut self) -> Result<Option<Vec<PinnedScene>>, SceneError> {
-        let pins = self.pins.take();
-        if pins.is_some() && self.schema == SCENE_SCHEMA {
-            return Err(body::in_first("pins"));
-        }
-        pins.map(checked).transpose()
+        self.pins.take().map(checked).transpose()
     }
 }
 
@@ -154,7 +147,7 @@ impl Document {
     }
 }
 
-/// A scene file as JSON text, indented. With pins a scene of `scene/1` is written as the equal sheet of `scene/3`.
+/// A scene file as JSON text, indented.
 #[must_use]
 pub fn document_json(scene: &Scene, pins: &[PinnedScene]) -> String {
     #[derive(Serialize)]
@@ -166,12 +159,7 @@ pub fn document_json(scene: &Scene, pins: &[PinnedScene]) -> String {
     if pins.is_empty() {
         return scene.to_json();
     }
-    let mut scene = scene.clone();
-    if scene.body.is_none() {
-        SCENE_SCHEMA_3.clone_into(&mut scene.schema);
-        scene.body = Some(body::Body::around(scene.pocket_radius_mm, TissueModel::Sheet));
-    }
-    serde_json::to_string_pretty(&File { scene: &scene, pins }).unwrap_or_default()
+    serde_json::to_string_pretty(&File { scene, pins }).unwrap_or_default()
 }
 
 /// A list of pins as JSON text.

@@ -51,16 +51,21 @@ impl Scene {
     /// Sets the pocket's radius \[mm\]. A patch of the default radius becomes the default patch of the new pocket; a
     /// patch of another radius stays.
     pub fn set_pocket_radius(&mut self, radius_mm: f64) {
-        if let Some(body) = &mut self.body {
-            let default = |pocket: f64| Body::around(pocket, body.tissue_model).patch_radius_mm;
-            let [before, after] = [self.pocket_radius_mm, radius_mm].map(default);
-            let is_default = (body.patch_radius_mm - before).abs() < 1e-9;
-            // An equal radius changes no bit of the scene.
-            if is_default && before.to_bits() != after.to_bits() {
-                body.patch_radius_mm = after;
-            }
+        let body = &mut self.body;
+        let default = |pocket: f64| Body::around(pocket, body.tissue_model).patch_radius_mm;
+        let [before, after] = [self.pocket_radius_mm, radius_mm].map(default);
+        let is_default = (body.patch_radius_mm - before).abs() < 1e-9;
+        // An equal radius changes no bit of the scene.
+        if is_default && before.to_bits() != after.to_bits() {
+            body.patch_radius_mm = after;
         }
         self.pocket_radius_mm = radius_mm;
+    }
+
+    /// Enlarges the patch to the least around the pocket.
+    pub(crate) fn widen_patch(&mut self) {
+        let (least, _) = Body::patch_range(self.pocket_radius_mm);
+        self.body.patch_radius_mm = self.body.patch_radius_mm.max(least);
     }
 
     /// Makes the implant fit into its pocket: enlarges the pocket, or moves the implant where no pocket is large
@@ -88,10 +93,7 @@ impl Scene {
             self.set_pocket_radius(least);
             repair = Some(Repair::PocketWidened { radius_mm: least });
         }
-        if let Some(body) = &mut self.body {
-            let (least, _) = Body::patch_range(self.pocket_radius_mm);
-            body.patch_radius_mm = body.patch_radius_mm.max(least);
-        }
+        self.widen_patch();
         for field in field::CHEST {
             let Some(radius) = field.value(self, 0) else {
                 continue;
@@ -123,7 +125,7 @@ mod tests {
         let mut scene = Scene::default();
         scene.implant.base_radius_mm = 80.0;
         assert_eq!(scene.repair(), Some(Repair::PocketWidened { radius_mm: 80.0 }));
-        let patch = |scene: &Scene| scene.body.unwrap().patch_radius_mm;
+        let patch = |scene: &Scene| scene.body.patch_radius_mm;
         assert!((patch(&scene) - 140.0).abs() < 1e-9);
         scene.implant.base_radius_mm = 120.0;
         scene.implant.center_mm = [150.0, 0.0];
@@ -135,12 +137,12 @@ mod tests {
     #[test]
     fn a_patch_of_the_default_radius_follows_the_pocket_and_another_patch_stays() {
         let mut scene = Scene::default();
-        let patch = |scene: &Scene| scene.body.unwrap().patch_radius_mm;
+        let patch = |scene: &Scene| scene.body.patch_radius_mm;
         for (pocket, wanted) in [(90.0, 150.0), (200.0, 260.0), (70.0, 130.0)] {
             scene.set_pocket_radius(pocket);
             assert!((patch(&scene) - wanted).abs() < 1e-9, "{pocket}: {}", patch(&scene));
         }
-        scene.body.as_mut().unwrap().patch_radius_mm = 120.0;
+        scene.body.patch_radius_mm = 120.0;
         for pocket in [90.0, 65.0] {
             scene.set_pocket_radius(pocket);
             assert!((patch(&scene) - 120.0).abs() < 1e-9);
@@ -150,6 +152,6 @@ mod tests {
         assert_eq!((scene.repair(), patch(&scene)), (None, 130.0));
         let mut sheet = Scene::sheet();
         sheet.set_pocket_radius(90.0);
-        assert_eq!(sheet, Scene { pocket_radius_mm: 90.0, ..Scene::sheet() });
+        assert_eq!((sheet.pocket_radius_mm, patch(&sheet)), (90.0, 150.0));
     }
 }

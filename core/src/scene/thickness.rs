@@ -1,7 +1,7 @@
 //! The thickness field of a scene: factors of the thickness of the solid layers on a grid, in lengths along the wall.
 
 use super::chest::LEAST_OF_TISSUE;
-use super::{SCENE_SCHEMA_3, Scene, SceneError, grid, out_of_range, problem};
+use super::{Scene, SceneError, grid, out_of_range, problem};
 use crate::curve::{number, whole};
 use crate::mesh::ThicknessField;
 use schemars::JsonSchema;
@@ -38,9 +38,8 @@ impl Scene {
     pub(super) fn thickness(&self) -> Result<Option<ThicknessField>, SceneError> {
         const PATH: &str = "thickness_field";
         let Some(field) = &self.thickness_field else { return Ok(None) };
-        if !self.skin_wrinkles() {
-            let allowed = format!("in layered tissue of {SCENE_SCHEMA_3} only");
-            return Err(out_of_range(PATH, "given".to_owned(), &allowed));
+        if !self.is_layered() {
+            return Err(out_of_range(PATH, "given".to_owned(), "in layered tissue only"));
         }
         let ThicknessGrid { spacing_mm, columns, rows, factors } = field;
         let form = grid::Form { path: PATH, values: "factors", spacing_mm: *spacing_mm };

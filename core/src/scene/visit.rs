@@ -1,7 +1,6 @@
 //! Side, and patient and visit in words, for the file: reference, date, surgeon, remarks. No number of a result depends on them.
 
-use super::body::in_first;
-use super::{SCENE_SCHEMA, Scene, SceneError, one_line, out_of_range};
+use super::{Scene, SceneError, one_line, out_of_range};
 use crate::curve::{given, present};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,67 +18,25 @@ pub const MAX_REMARK_LINES: usize = 12;
 pub const DATE: &str = "a date as 2026-01-31 (year-month-day), 1900 to 2199";
 
 /// The visit of a patient; an empty text is not stated.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct Visit {
     /// The patient's number or initials, up to 40 characters in one line.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub reference: String,
     /// Date of the visit, as 2026-01-31; 1900 to 2199.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub date: String,
     /// The surgeon, up to 60 characters in one line.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub surgeon: String,
     /// Remarks, up to 500 characters in up to 12 lines.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "present")]
     pub remarks: String,
     /// Schedule of the fills of an expander. Default: not stated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fill_steps: Option<FillSchedule>,
-}
-
-/// A visit in a file.
-#[derive(Deserialize, JsonSchema, Default)]
-#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
-#[schemars(rename = "Visit")]
-pub(super) struct VisitFile {
-    /// The patient's number or initials, up to 40 characters in one line.
-    #[serde(deserialize_with = "present")]
-    reference: String,
-    /// The side of the scene, as older files have it.
-    #[serde(deserialize_with = "given")]
-    #[schemars(with = "Side")]
-    side: Option<Side>,
-    /// Date of the visit, as 2026-01-31; 1900 to 2199.
-    #[serde(deserialize_with = "present")]
-    date: String,
-    /// The surgeon, up to 60 characters in one line.
-    #[serde(deserialize_with = "present")]
-    surgeon: String,
-    /// Remarks, up to 500 characters in up to 12 lines.
-    #[serde(deserialize_with = "present")]
-    remarks: String,
-    /// Schedule of the fills of an expander. Default: not stated.
-    #[serde(deserialize_with = "given")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "given")]
     #[schemars(with = "FillSchedule")]
-    fill_steps: Option<FillSchedule>,
-}
-
-impl VisitFile {
-    /// The visit, and the side of the scene: that of the scene or, in older files, of the visit.
-    ///
-    /// # Errors
-    /// Two sides that differ.
-    pub(super) fn read(self, of_scene: Option<Side>) -> Result<(Visit, Option<Side>), SceneError> {
-        let Self { reference, side, date, surgeon, remarks, fill_steps } = self;
-        if let (Some(side), Some(of_scene)) = (side, of_scene)
-            && side != of_scene
-        {
-            let allowed = format!("{}, as `side` of the scene", of_scene.word());
-            return Err(out_of_range("visit.side", side.word().to_owned(), &allowed));
-        }
-        Ok((Visit { reference, date, surgeon, remarks, fill_steps }, of_scene.or(side)))
-    }
+    pub fill_steps: Option<FillSchedule>,
 }
 
 /// The schedule of the fills of an expander.
@@ -255,7 +212,6 @@ impl Scene {
         // All fields are named, so that a new one is not forgotten.
         fn plan(scene: &Scene) -> impl PartialEq {
             let Scene {
-                schema,
                 implant,
                 implant_reference,
                 pocket_radius_mm,
@@ -273,7 +229,7 @@ impl Scene {
             } = scene;
             let tissue = (layers, thickness_field, patient, side, springs);
             let implant = (implant, implant_reference);
-            (schema, implant, pocket_radius_mm, body, chest, chest_grid, insertion, tissue, solver)
+            (implant, pocket_radius_mm, body, chest, chest_grid, insertion, tissue, solver)
         }
         plan(self) == plan(other)
     }
@@ -284,16 +240,9 @@ impl Scene {
         self.side == Some(Side::Right)
     }
 
-    /// Checks side and visit.
+    /// Checks the visit.
     pub(super) fn check_visit(&self) -> Result<(), SceneError> {
-        if self.side.is_some() && self.schema == SCENE_SCHEMA {
-            return Err(in_first("side"));
-        }
-        match &self.visit {
-            Some(_) if self.schema == SCENE_SCHEMA => Err(in_first("visit")),
-            Some(visit) => visit.check(),
-            None => Ok(()),
-        }
+        self.visit.as_ref().map_or(Ok(()), Visit::check)
     }
 }
 
@@ -348,32 +297,21 @@ mod tests {
     }
 
     #[test]
-    fn the_side_is_that_of_the_scene_and_of_an_older_file_that_of_its_visit() {
-        let file = |side: &str, visit: &str| {
-            let json = format!(r#"{{"implant":{{"base_radius_mm":60}}{side}{visit}}}"#);
+    fn the_side_stands_beside_the_visit_and_stays_in_links() {
+        let file = |side: &str| {
+            let json = format!(r#"{{"implant":{{"base_radius_mm":60}}{side}}}"#);
             Scene::from_json(&json).map_err(|error| error.to_string())
         };
-        let (right, of_visit) = (r#","side":"right""#, r#","visit":{"side":"right"}"#);
-        for (side, visit) in [(right, ""), ("", of_visit), (right, of_visit)] {
-            let scene = file(side, visit).unwrap();
-            assert!(scene.is_right());
-            let written: serde_json::Value = serde_json::from_str(&scene.to_json()).unwrap();
-            assert_eq!(
-                (&written["side"], &written["visit"]["side"]),
-                (&json!("right"), &json!(null))
-            );
-            assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
-            // A link and a pin keep the side; no solve depends on it.
-            assert!(scene.without_visit().is_right());
-            assert!(scene.same_physics(&file("", "").unwrap()));
-        }
-        let left = file(r#","side":"left""#, of_visit).unwrap_err();
-        assert_eq!(left, "visit.side is right; allowed: left, as `side` of the scene");
-        assert!(file(r#","side":"up""#, "").unwrap_err().starts_with("side: unknown variant `up`"));
-        assert!(file(r#","side":null"#, "").unwrap_err().starts_with("side is null; allowed: "));
-        let first = r#","side":"right","schema":"implant-preview/scene/1""#;
-        assert!(file(first, "").unwrap_err().starts_with("side: the field belongs to"));
-        assert_eq!(file("", "").unwrap().side, None);
+        let scene = file(r#","side":"right""#).unwrap();
+        let written: serde_json::Value = serde_json::from_str(&scene.to_json()).unwrap();
+        assert_eq!(written["side"], "right");
+        assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+        // A link and a pin keep the side; no solve depends on it.
+        assert!(scene.is_right() && scene.without_visit().is_right());
+        assert!(scene.same_physics(&file("").unwrap()));
+        assert!(file(r#","side":"up""#).unwrap_err().starts_with("side: unknown variant `up`"));
+        assert!(file(r#","side":null"#).unwrap_err().starts_with("side is null; allowed: "));
+        assert_eq!(file("").unwrap().side, None);
     }
 
     #[test]
@@ -406,18 +344,12 @@ mod tests {
             (json!({ "fill_steps": { "weeks": 13 } }), "visit.fill_steps.weeks is 13; allowed"),
             (json!({ "fill_steps": null }), "visit.fill_steps is null; allowed: "),
             (json!({ "fill_steps": { "a": 1 } }), "visit.fill_steps.a: unknown field `a`"),
-            (json!({ "side": "up" }), "visit.side: unknown variant `up`"),
-            (json!({ "side": null }), "visit.side is null; allowed: "),
             (json!({ "name": "x" }), "visit.name: unknown field `name`"),
             (json!([]), "visit: invalid type: sequence, expected one JSON object"),
         ] {
             let error = read(&visit).unwrap_err();
             assert!(error.starts_with(expected) && !error.contains('\n'), "{error}");
         }
-        let first =
-            json!({ "schema": SCENE_SCHEMA, "implant": { "base_radius_mm": 60.0 }, "visit": {} });
-        let error = Scene::from_json(&first.to_string()).unwrap_err().to_string();
-        assert!(error.starts_with("visit: the field belongs to"), "{error}");
     }
 
     #[test]

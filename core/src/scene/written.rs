@@ -1,19 +1,19 @@
 //! A scene as it is written: the members of [`Scene`] in the form of a file.
 
 use super::{
-    Body, ChestGrid, ChestShape, Implant, Layer, Patient, Scene, Side, SolverSettings, Springs,
-    ThicknessGrid, Visit,
+    Body, ChestGrid, ChestShape, Implant, Layer, Patient, SCENE_SCHEMA, Scene, Side,
+    SolverSettings, Springs, ThicknessGrid, Visit,
 };
 use serde::{Serialize, Serializer};
 
 /// The members of a scene in the order of a file.
 #[derive(Serialize)]
 struct Written<'a> {
-    schema: &'a str,
+    schema: &'static str,
     implant: Named<'a>,
     pocket_radius_mm: f64,
     #[serde(flatten)]
-    body: &'a Option<Body>,
+    body: Body,
     #[serde(skip_serializing_if = "Option::is_none")]
     chest: &'a Option<ChestShape>,
     #[serde(rename = "chest", skip_serializing_if = "Option::is_none")]
@@ -44,7 +44,6 @@ struct Named<'a> {
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let Self {
-            schema,
             implant,
             implant_reference,
             pocket_radius_mm,
@@ -61,10 +60,10 @@ impl Serialize for Scene {
             solver,
         } = self;
         let written = Written {
-            schema,
+            schema: SCENE_SCHEMA,
             implant: Named { implant: implant.in_few_words(), reference: implant_reference },
             pocket_radius_mm: *pocket_radius_mm,
-            body,
+            body: *body,
             chest,
             chest_grid,
             insertion: *insertion,

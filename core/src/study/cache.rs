@@ -35,8 +35,7 @@ impl Cases {
             Some(CellsThrough::Count(count)) if is_layered => count as u64,
             _ => 0,
         };
-        // The version determines the law of compressed skin.
-        let choices = [u64::from(is_layered), u64::from(scene.skin_wrinkles()), *springs as u64];
+        let choices = [u64::from(is_layered), *springs as u64];
         let counts = [layers.len() as u64, solver.nodes_per_side as u64, cells];
         let mut words = Vec::with_capacity(32);
         words.extend(choices.into_iter().chain(counts));

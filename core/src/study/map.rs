@@ -10,7 +10,7 @@ use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
 use crate::curve::{given, number, whole};
 use crate::measure::Status;
 use crate::measure::bands::SkinLimits;
-use crate::scene::{Field, Scene, TissueModel, limits};
+use crate::scene::{Field, Scene, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,14 +68,10 @@ impl MapOptions {
 /// Grid and tolerance of the points that check a map.
 pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-4 };
 
-/// The scene of a study: a sheet of `scene/1` becomes the same sheet of `scene/2`, which has all fields; no visit.
+/// The scene of a study: without side and visit.
 pub(super) fn base_scene(scene: &Scene) -> Scene {
     // The visit stays in the plan's file, and another visit or side is no other map.
-    let mut base = Scene { side: None, ..scene.without_visit() };
-    if base.body.is_none() {
-        base.set_tissue_model(TissueModel::Sheet);
-    }
-    base
+    Scene { side: None, ..scene.without_visit() }
 }
 
 impl MapSettings {

@@ -4,7 +4,7 @@ use super::quantity;
 use crate::clinical::{ClinicalError, Dimension, Measurements};
 use crate::curve::number;
 use crate::scene::field::{Change, Part};
-use crate::scene::{Body, ChestShape, Field, Scene, SceneError, limits};
+use crate::scene::{ChestShape, Field, Scene, SceneError, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -180,8 +180,7 @@ impl Parameter {
         let layers = scene.layers.len();
         let (field, layer) = self.row();
         let is_missing = match field.part {
-            Part::Chest => !scene.may_have_chest(),
-            Part::Body => !scene.is_layered(),
+            Part::Chest | Part::Body => !scene.is_layered(),
             _ => false,
         };
         if is_missing {
@@ -294,11 +293,9 @@ pub fn with_values(base: &Scene, values: &[(Parameter, f64)]) -> Result<Scene, P
         let most = if is_wanted { f64::INFINITY } else { limits::POCKET_RADIUS_MAX_MM };
         scene.set_pocket_radius(radius.min(most));
     }
-    if let (Some(radius), Some(body)) = (of(Parameter::of(Field::PatchRadius)), &mut scene.body) {
-        body.patch_radius_mm = radius;
-    } else if let Some(body) = &mut scene.body {
-        let (least, _) = Body::patch_range(scene.pocket_radius_mm);
-        body.patch_radius_mm = body.patch_radius_mm.max(least);
+    match of(Parameter::of(Field::PatchRadius)) {
+        Some(radius) => scene.body.patch_radius_mm = radius,
+        None => scene.widen_patch(),
     }
     scene.drop_reference_of(base);
     Ok(scene)

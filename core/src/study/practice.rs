@@ -103,13 +103,11 @@ fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> 
         };
         let follows = has_default_patch(plan);
         scene.set_pocket_radius(scene.implant.least_pocket_mm() + MARGIN_MM);
-        let pocket = scene.pocket_radius_mm;
-        if let Some(body) = &mut scene.body {
-            let (least, _) = Body::patch_range(pocket);
-            body.patch_radius_mm = match follows {
-                true => Body::around(pocket, body.tissue_model).patch_radius_mm,
-                false => body.patch_radius_mm.max(least),
-            };
+        if follows {
+            let default = Body::around(scene.pocket_radius_mm, scene.body.tissue_model);
+            scene.body.patch_radius_mm = default.patch_radius_mm;
+        } else {
+            scene.widen_patch();
         }
         scene.validate().is_ok().then_some(scene)
     };
@@ -131,10 +129,8 @@ pub fn has_shape_of_practice(plan: &Scene) -> bool {
 
 /// Has the patch the default radius, which follows the pocket?
 fn has_default_patch(plan: &Scene) -> bool {
-    plan.body.is_some_and(|body| {
-        let default = Body::around(plan.pocket_radius_mm, body.tissue_model).patch_radius_mm;
-        (body.patch_radius_mm - default).abs() < 1e-9
-    })
+    let default = Body::around(plan.pocket_radius_mm, plan.body.tissue_model).patch_radius_mm;
+    (plan.body.patch_radius_mm - default).abs() < 1e-9
 }
 
 /// Have two plans the same practice: the same tissue, chest, measurements, base width and settings of the solver?
@@ -143,7 +139,6 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
     // All fields are named, so that a new one is not forgotten.
     fn subject(scene: &Scene) -> impl PartialEq {
         let Scene {
-            schema,
             implant: _,
             implant_reference: _,
             pocket_radius_mm: _,
@@ -160,13 +155,10 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
             solver,
         } = scene;
         let measured = patient.as_ref().map(|patient| patient.measured);
-        let follows = has_default_patch(scene);
-        let body = body.map(|body| Body {
-            patch_radius_mm: if follows { 0.0 } else { body.patch_radius_mm },
-            ..body
-        });
+        let patch_radius_mm = if has_default_patch(scene) { 0.0 } else { body.patch_radius_mm };
+        let body = Body { patch_radius_mm, ..*body };
         let tissue = (layers, thickness_field, measured, springs);
-        (schema, breast_width_mm(scene).to_bits(), body, chest, chest_grid, tissue, solver)
+        (breast_width_mm(scene).to_bits(), body, chest, chest_grid, tissue, solver)
     }
     subject(a) == subject(b)
 }

@@ -73,7 +73,7 @@ quantities! {
     AttachmentTractionKpa: "attachment_traction_kpa", "greatest pull of the attachment", "Pull at the pocket's edge", "kPa", |of| Some(of.attachment_traction_kpa?.max);
     /// Volume of the implant \[ml\].
     ImplantVolumeMl: "implant_volume_ml", "volume of the implant", "Volume", "ml", |of| Some(of.implant_volume_ml);
-    /// Skin that wrinkles: greatest strain / strain at which the skin's curve turns steep \[-\].
+    /// Layered tissue: greatest strain / strain at which the skin's curve turns steep \[-\].
     SkinReserveUsed: "skin_reserve_used", "share of the skin's reserve", "Skin stretch, of its reserve", "", |of| of.skin_reserve_used;
 }
 

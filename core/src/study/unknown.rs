@@ -4,7 +4,7 @@ use super::quantity::short;
 use crate::clinical::spread::{self, Spread};
 use crate::curve::{Curve, CurveSpec, SCALES};
 use crate::scene::field::CHEST;
-use crate::scene::{Body, Field, Layer, Scene, limits};
+use crate::scene::{Field, Layer, Scene, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,10 +88,7 @@ unknowns! {
             let least = base.implant.least_pocket_mm();
             let most = limits::POCKET_RADIUS_MAX_MM;
             scene.pocket_radius_mm = (base.pocket_radius_mm + value).max(least).min(most);
-            if let Some(body) = &mut scene.body {
-                let (least, _) = Body::patch_range(scene.pocket_radius_mm);
-                body.patch_radius_mm = body.patch_radius_mm.max(least);
-            }
+            scene.widen_patch();
         };
     /// Relative change of the projection \[-\].
     Projection: "projection", (-0.9, 0.9),

@@ -65,7 +65,7 @@ pub struct Input {
     pub attachment: Attachment,
     /// The skin, then the solids inwards; at least two layers.
     pub layers: Vec<Material>,
-    /// Does the skin wrinkle instead of being compressed, as in `scene/3` (tension field)?
+    /// Does the skin wrinkle instead of being compressed (tension field), as in every scene? The independent solutions compress it.
     pub skin_wrinkles: bool,
     /// Wall and mound at rest. On a curved wall pocket, patch and material radii are lengths along the wall, thickness is along its normals,
     /// and heights of the dome count from the wall below.

@@ -96,7 +96,7 @@ fn pig_scene(model: TissueModel, pocket_mm: f64, fat: Option<Layer>, nodes: usiz
             ..Implant::default()
         },
         pocket_radius_mm: pocket_mm,
-        body: Some(Body::around(pocket_mm, model)),
+        body: Body::around(pocket_mm, model),
         layers,
         ..Scene::default()
     };

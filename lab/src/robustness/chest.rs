@@ -86,7 +86,7 @@ pub(super) fn any(rng: &mut Rng, scene: &mut Scene) {
 
 /// Gives half of the implants another fullness, drawn last: the scene is otherwise that of the same numbers without one.
 pub(super) fn fullness(rng: &mut Rng, scene: &mut Scene) {
-    if scene.may_be_anatomical() && rng.bool() {
+    if rng.bool() {
         scene.implant.fullness = Some(uniform(rng, Field::Fullness.limits));
     }
 }

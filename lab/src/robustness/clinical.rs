@@ -257,7 +257,7 @@ mod tests {
                 assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
                 let slope = scene.implant.projection_mm / scene.implant.base_radius_mm;
                 assert!((PROJECTION.0..=PROJECTION.1).contains(&slope));
-                assert!(scene.skin_wrinkles() && scene.chest.is_some() == has_chest);
+                assert!(scene.is_layered() && scene.chest.is_some() == has_chest);
                 counts[0] += usize::from(!scene.implant.is_round());
                 counts[1] += usize::from(scene.implant.center_mm.iter().any(|at| at.abs() > 0.0));
                 counts[2] += usize::from(scene.thickness_field.is_some());

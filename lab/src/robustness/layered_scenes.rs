@@ -4,8 +4,8 @@ use super::scenes::{self, log_uniform, uniform};
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Fat};
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, Field, Implant, Layer, SCENE_SCHEMA_3, Scene,
-    SolverSettings, Springs, TissueModel, limits,
+    AttachmentSettings, Body, CellsThrough, Field, Implant, Layer, Scene, SolverSettings, Springs,
+    TissueModel, limits,
 };
 use std::f64::consts::TAU;
 
@@ -52,11 +52,10 @@ pub(super) fn extreme(rng: &mut Rng) -> Scene {
 /// The scene that both populations start from.
 fn start() -> Scene {
     Scene {
-        schema: SCENE_SCHEMA_3.to_owned(),
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
         implant_reference: String::new(),
         pocket_radius_mm: 70.0,
-        body: Some(Body::around(70.0, TissueModel::Layered)),
+        body: Body::around(70.0, TissueModel::Layered),
         chest: None,
         chest_grid: None,
         thickness_field: None,
@@ -157,9 +156,7 @@ pub(super) fn body(rng: &mut Rng, scene: &mut Scene) {
         stiffness_kpa_per_mm: log_uniform(rng, Field::AttachmentStiffness.limits),
         ramp_mm: log_uniform(rng, Field::AttachmentRamp.limits),
     };
-    if let Some(body) = &mut scene.body {
-        (body.patch_radius_mm, body.attachment) = (patch_radius_mm, attachment);
-    }
+    (scene.body.patch_radius_mm, scene.body.attachment) = (patch_radius_mm, attachment);
     let count = rng.usize(1..=8);
     let cells = if rng.bool() { CellsThrough::Auto } else { CellsThrough::Count(count) };
     scene.solver.cells_through = Some(cells);
@@ -168,9 +165,7 @@ pub(super) fn body(rng: &mut Rng, scene: &mut Scene) {
 /// Gives the patch the default radius around the pocket.
 fn fit_patch(scene: &mut Scene) {
     let default = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
-    if let Some(body) = &mut scene.body {
-        body.patch_radius_mm = default.patch_radius_mm;
-    }
+    scene.body.patch_radius_mm = default.patch_radius_mm;
 }
 
 #[cfg(test)]

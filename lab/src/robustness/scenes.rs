@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Interpolation, Section};
 use implant_preview_core::scene::{
-    Field, Implant, Layer, SCENE_SCHEMA, Scene, SolverSettings, Springs, limits,
+    Body, Field, Implant, Layer, Scene, SolverSettings, Springs, TissueModel, limits,
 };
 use std::f64::consts::TAU;
 
@@ -24,11 +24,10 @@ pub(super) fn log_uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
 /// A random sheet within all limits.
 pub(super) fn scene(rng: &mut Rng) -> Scene {
     let mut scene = Scene {
-        schema: SCENE_SCHEMA.to_owned(),
         implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
         implant_reference: String::new(),
         pocket_radius_mm: 70.0,
-        body: None,
+        body: Body::around(70.0, TissueModel::Sheet),
         chest: None,
         chest_grid: None,
         thickness_field: None,

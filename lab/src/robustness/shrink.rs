@@ -39,13 +39,14 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
             offer(&|s| s.solver.nodes_per_side = n);
         }
     }
-    if let Some(body) = scene.body.filter(|_| scene.is_layered()) {
+    if scene.is_layered() {
+        let body = scene.body;
         let default = Body::around(scene.pocket_radius_mm, body.tissue_model);
         offer(&|s| s.solver.cells_through = Some(CellsThrough::Auto));
         offer(&|s| s.solver.cells_through = Some(CellsThrough::Count(1)));
-        offer(&|s| s.body = Some(Body { attachment: default.attachment, ..body }));
+        offer(&|s| s.body = Body { attachment: default.attachment, ..body });
         let patch_radius_mm = default.patch_radius_mm;
-        offer(&|s| s.body = Some(Body { patch_radius_mm, ..body }));
+        offer(&|s| s.body = Body { patch_radius_mm, ..body });
     }
     offer(&|s| s.springs = Springs::Coupled);
     offer(&|s| s.implant.center_mm = [0.0; 2]);
@@ -80,11 +81,10 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
             s.pocket_radius_mm = round(s.pocket_radius_mm);
         });
         offer(&|s| {
-            if let Some(body) = &mut s.body {
-                body.patch_radius_mm = round(body.patch_radius_mm);
-                body.attachment.stiffness_kpa_per_mm = round(body.attachment.stiffness_kpa_per_mm);
-                body.attachment.ramp_mm = round(body.attachment.ramp_mm);
-            }
+            let body = &mut s.body;
+            body.patch_radius_mm = round(body.patch_radius_mm);
+            body.attachment.stiffness_kpa_per_mm = round(body.attachment.stiffness_kpa_per_mm);
+            body.attachment.ramp_mm = round(body.attachment.ramp_mm);
         });
         offer(&|s| s.insertion = round(s.insertion));
         offer(&|s| {

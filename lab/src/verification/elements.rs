@@ -37,7 +37,7 @@ fn materials() -> Result<[Material; 2], CurveError> {
 /// All checks of this file.
 pub(super) fn checks() -> Result<Vec<Check>, CurveError> {
     let materials = materials()?;
-    let law = LayeredLaw::new(&materials, true);
+    let law = LayeredLaw::new(&materials);
     let rest = Rest::layered(Sheet::new(NODES, RADIUS_MM), &[materials[1].thickness_mm], 2);
     let exact = Exact { rest: &rest, law: &law, pocket_radius: POCKET_MM, attachment: None };
     let mut checks = patch_test(&exact, &materials[1]);

@@ -171,11 +171,11 @@ impl Reference {
                 ..Implant::default()
             },
             pocket_radius_mm: self.pocket_radius_mm,
-            body: Some(Body {
+            body: Body {
                 tissue_model: TissueModel::Layered,
                 patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,
                 attachment: AttachmentSettings::default(),
-            }),
+            },
             chest: self.chest_mm.map(|radius| ChestShape {
                 radius_across_mm: radius,
                 radius_along_mm: Some(radius),
@@ -247,7 +247,7 @@ fn bounds(nodes: usize) -> [f64; 3] {
 }
 
 /// The project's axisymmetric reference against the independent one, and the solver against the former: skin as a tension
-/// field, as in `scene/3`.
+/// field.
 pub(super) fn references(grids: &[usize]) -> Result<Vec<Check>, SceneError> {
     let mut simulator = Simulator::default();
     let mut checks = Vec::new();

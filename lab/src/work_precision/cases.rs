@@ -3,8 +3,8 @@
 use crate::axisymmetric_layers::Mound;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, SCENE_SCHEMA,
-    SCENE_SCHEMA_2, SCENE_SCHEMA_3, Scene, SolverSettings, Springs, ThicknessGrid, TissueModel,
+    AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, Scene, SolverSettings,
+    Springs, ThicknessGrid, TissueModel,
 };
 use serde::{Deserialize, Serialize};
 
@@ -105,7 +105,6 @@ impl Case {
     #[must_use]
     pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {
         let sheet = |radius: f64, pocket_radius_mm: f64, layers: Vec<Layer>| Scene {
-            schema: SCENE_SCHEMA.to_owned(),
             implant: Implant {
                 base_radius_mm: radius,
                 projection_mm: radius,
@@ -113,7 +112,7 @@ impl Case {
             },
             implant_reference: String::new(),
             pocket_radius_mm,
-            body: None,
+            body: Body::around(pocket_radius_mm, TissueModel::Sheet),
             chest: None,
             chest_grid: None,
             thickness_field: None,
@@ -125,17 +124,16 @@ impl Case {
             springs: Springs::Coupled,
             solver: SolverSettings { nodes_per_side, tolerance, cells_through: None },
         };
-        let layered = |[radius, projection]: [f64; 2], pocket: f64, kpa_per_mm, layers| {
+        let layered = |[radius, projection]: [f64; 2], pocket: f64, kpa_per_mm, cells, layers| {
             let mut scene = sheet(radius, pocket, layers);
-            scene.schema = SCENE_SCHEMA_2.to_owned();
             scene.implant.projection_mm = projection;
             let attachment = AttachmentSettings { stiffness_kpa_per_mm: kpa_per_mm, ramp_mm: 10.0 };
             let tissue_model = TissueModel::Layered;
-            scene.body =
-                Some(Body { tissue_model, patch_radius_mm: pocket_patch(pocket), attachment });
-            scene.solver.cells_through = Some(CellsThrough::Auto);
+            scene.body = Body { tissue_model, patch_radius_mm: pocket_patch(pocket), attachment };
+            scene.solver.cells_through = Some(cells);
             scene
         };
+        let (two, four) = (CellsThrough::Count(2), CellsThrough::Count(4));
         match self {
             Self::Default => sheet(55.0, 70.0, vec![Layer::skin(), Layer::paper_adipose()]),
             Self::LinearThird => sheet(40.0, 60.0, vec![linear_third()]),
@@ -148,11 +146,11 @@ impl Case {
                 sheet(40.0, 40.0, vec![Layer { poisson_ratio: 0.3, ..Layer::paper_adipose() }])
             }
             Self::LayeredDefault => {
-                layered([55.0, 55.0], 70.0, 2.0, vec![Layer::skin(), Layer::paper_adipose()])
+                layered([55.0, 55.0], 70.0, 2.0, two, vec![Layer::skin(), Layer::paper_adipose()])
             }
             Self::LayeredFlat => {
                 let adipose = Layer { thickness_mm: 15.0, ..Layer::paper_adipose() };
-                layered([62.0, 38.0], 70.0, 2.0, vec![Layer::skin(), adipose])
+                layered([62.0, 38.0], 70.0, 2.0, two, vec![Layer::skin(), adipose])
             }
             Self::LayeredLinear => {
                 let linear = |thickness_mm, modulus_kpa| Layer {
@@ -161,7 +159,7 @@ impl Case {
                     curve: CurveSpec::Linear { modulus_kpa }.into(),
                     ..Layer::paper_adipose()
                 };
-                layered([40.0, 40.0], 55.0, 2.0, vec![linear(1.5, 50.0), linear(12.0, 5.0)])
+                layered([40.0, 40.0], 55.0, 2.0, two, vec![linear(1.5, 50.0), linear(12.0, 5.0)])
             }
             Self::LayeredMuscle => {
                 let skin = Layer { thickness_mm: 1.6, ..Layer::skin() };
@@ -172,15 +170,15 @@ impl Case {
                     poisson_ratio: 0.45,
                     curve: CurveSpec::Exponential { scale_kpa: 3.0, rate: 3.0 }.into(),
                 };
-                layered([58.0, 45.0], 66.0, 3.0, vec![skin, adipose, muscle])
+                layered([58.0, 45.0], 66.0, 3.0, four, vec![skin, adipose, muscle])
             }
             Self::BodyFlat | Self::BodyCurved | Self::BodyMound | Self::BodyCurvedMound => {
                 let (mut skin, mut fat) = (Layer::skin(), Layer::adipose());
                 skin.curve.strain_scale = 0.5;
                 (fat.thickness_mm, fat.poisson_ratio) = (8.5, 0.45);
                 fat.curve = CurveSpec::Exponential { scale_kpa: 0.6, rate: 5.0 }.into();
-                let mut scene = layered([60.0, 40.0], 70.0, 2.0, vec![skin, fat]);
-                scene.schema = SCENE_SCHEMA_3.to_owned();
+                let mut scene =
+                    layered([60.0, 40.0], 70.0, 2.0, CellsThrough::Auto, vec![skin, fat]);
                 let chest_mm = match self {
                     Self::BodyCurved => Some(150.0),
                     Self::BodyCurvedMound => Some(140.0),

@@ -38,7 +38,7 @@ pub fn axisymmetric(scene: &Scene, mound: Option<Mound>) -> Option<Profile> {
         return None;
     }
     match problem.tissue {
-        Tissue::Layered { skin_wrinkles, .. } => of_layers(scene, mound, &problem, skin_wrinkles),
+        Tissue::Layered => of_layers(scene, mound, &problem),
         Tissue::Sheet if problem.springs == Springs::Coupled => of_sheet(&problem),
         Tissue::Sheet => None,
     }
@@ -52,12 +52,7 @@ fn of_sheet(Problem { patch, obstacle, materials, .. }: &Problem) -> Option<Prof
     }))
 }
 
-fn of_layers(
-    scene: &Scene,
-    mound: Option<Mound>,
-    problem: &Problem,
-    skin_wrinkles: bool,
-) -> Option<Profile> {
+fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<Profile> {
     let Problem { patch, obstacle, materials, .. } = problem;
     let attachment = patch.attachment()?;
     let radius_mm = scene.chest.map(|chest| chest.radius_across_mm);
@@ -76,7 +71,7 @@ fn of_layers(
                 ramp_mm: attachment.ramp_mm,
             },
             layers: materials.clone(),
-            skin_wrinkles,
+            skin_wrinkles: true,
             rest: RestShape { wall: Wall { radius_mm }, mound },
             cells,
         })

@@ -51,7 +51,7 @@ impl JsonSchema for ScaledCurve {
         let (least, most) = SCALES;
         let scale = |what: &str| {
             serde_json::json!({
-                "description": format!("Scale of the {what}, from scene/2 on."),
+                "description": format!("Scale of the {what}."),
                 "type": "number", "minimum": least, "maximum": most, "default": 1.0,
             })
         };

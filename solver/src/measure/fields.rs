@@ -4,7 +4,7 @@ use super::contact::Contact;
 use super::layered::{self, NodalLoads};
 use super::layers;
 use super::wrinkles;
-use crate::solve::Solution;
+use crate::solve::{Solution, Tissue};
 use crate::springs::tension_field::FieldState;
 use glam::Vec2;
 use std::cell::{Cell, OnceCell};
@@ -29,9 +29,9 @@ pub enum Field {
     Cover,
     /// Layered tissue: pull of the attachment around the pocket \[kPa\].
     Traction,
-    /// Skin that wrinkles: 0 taut, 1 wrinkled, 2 slack \[-\], by the law at the node's strains.
+    /// Layered tissue: 0 taut, 1 wrinkled, 2 slack \[-\], by the law at the node's strains.
     WrinkleState,
-    /// Skin that wrinkles: strain that the wrinkles take up \[-\], 0 to 1; 0.05: of 100 mm of skin 5 mm lie in folds.
+    /// Layered tissue: strain that the wrinkles take up \[-\], 0 to 1; 0.05: of 100 mm of skin 5 mm lie in folds.
     WrinkleStrain,
 }
 
@@ -139,7 +139,7 @@ impl Fields {
                         material,
                         deformation,
                         node,
-                        self.solution.problem().tissue.skin_wrinkles(),
+                        self.solution.problem().tissue == Tissue::Layered,
                     )),
                 }
             }

@@ -10,9 +10,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The schema of a result of layered tissue.
-pub const RESULT_SCHEMA_2: &str = "implant-preview/result/2";
-
 /// Thickness of the tissue between implant and outer skin surface \[mm\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cover {
@@ -126,13 +123,11 @@ impl Outcome {
         if selection.wants("profile_skin") {
             self.profile_skin = skin_profile(Direction::Side);
         }
-        if problem.tissue.skin_wrinkles() {
-            if selection.wants("profile_y") {
-                self.profile_y = profile::along_y(solution);
-            }
-            if selection.wants("profile_skin_y") {
-                self.profile_skin_y = skin_profile(Direction::Head);
-            }
+        if selection.wants("profile_y") {
+            self.profile_y = profile::along_y(solution);
+        }
+        if selection.wants("profile_skin_y") {
+            self.profile_skin_y = skin_profile(Direction::Head);
         }
         if !selection.wants_any(&["layers", "warnings"]) {
             return;

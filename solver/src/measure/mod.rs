@@ -24,7 +24,7 @@ pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
 pub use column::{Column, ColumnError, Kind};
 pub use fields::{Field, Fields};
-pub use layered::{Cover, RESULT_SCHEMA_2, SkinArea, Thickness, Traction};
+pub use layered::{Cover, SkinArea, Thickness, Traction};
 pub use outcome::{
     LayerOutcome, Outcome, Pressure, ProfilePoint, SolverMethod, SolverOutcome, Status, Strains,
 };
@@ -33,7 +33,6 @@ pub use selection::{Selected, Selection, UnknownField, Written};
 #[cfg(test)]
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
-pub use wrinkles::RESULT_SCHEMA_3;
 
 use crate::model::layered::curve_law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
@@ -63,7 +62,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     let (problem, report) = (solution.problem(), solution.report());
     let [pocket_area, patch_area] = layered::rest_areas(problem);
     let mut outcome = Outcome::without_shape(problem, report, tissues, pocket_area);
-    if problem.tissue.skin_wrinkles() {
+    if problem.tissue == Tissue::Layered {
         outcome.solver.cells_through = Some(solution.cells().len());
         outcome.solver.estimated_discretisation_error = report.estimated_discretisation_error;
     }
@@ -74,7 +73,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     let pocket_radius = problem.patch.pocket_radius_mm;
     let weight = |k: usize| match problem.tissue {
         Tissue::Sheet => 1.0,
-        Tissue::Layered { .. } => layered::pocket_weight(problem.sheet(), pocket_radius, k),
+        Tissue::Layered => layered::pocket_weight(problem.sheet(), pocket_radius, k),
     };
     outcome.measure_contact(fields, selection);
     if selection.wants("profile") {
@@ -87,7 +86,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         if selection.wants_any(&["layers", "warnings"]) {
             outcome.measure_loads(solution);
         }
-        if matches!(problem.tissue, Tissue::Layered { .. }) {
+        if problem.tissue == Tissue::Layered {
             outcome.measure_layers(solution, selection, patch_area);
         }
         let wants_warnings = selection.wants("warnings");
@@ -113,7 +112,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     outcome
 }
 
-/// Greatest strain of a skin that wrinkles, relative to the strain at which its curve turns steep.
+/// Greatest strain of the skin of layered tissue, relative to the strain at which its curve turns steep.
 fn reserve_used(problem: &Problem, strain: Option<&Strains>) -> Option<f64> {
     Some(strain?.max_principal.max(0.0) / problem.skin_knee()?)
 }
@@ -190,12 +189,7 @@ impl Outcome {
             max_stretch: None,
         };
         Self {
-            schema: match problem.tissue {
-                Tissue::Sheet => RESULT_SCHEMA,
-                Tissue::Layered { skin_wrinkles: false, .. } => RESULT_SCHEMA_2,
-                Tissue::Layered { skin_wrinkles: true, .. } => RESULT_SCHEMA_3,
-            }
-            .to_owned(),
+            schema: RESULT_SCHEMA.to_owned(),
             status: match report.verdict {
                 Verdict::Converged => Status::Converged,
                 Verdict::NotConverged => Status::NotConverged,
@@ -288,7 +282,7 @@ impl Outcome {
         let loads = layers::loads(
             solution.problem().membrane(),
             solution.deformation(),
-            solution.problem().tissue.skin_wrinkles(),
+            solution.problem().tissue == Tissue::Layered,
         );
         for (layer, load) in self.layers.iter_mut().zip(loads) {
             layer.max_stress_kpa = Some(load.max_stress);
@@ -306,7 +300,7 @@ impl Outcome {
         let contact = fields.contact();
         // Without contact the sum of the forces is a negative zero.
         self.contact_force_n = Some(contact.vertical_force() / 1000.0 + 0.0);
-        if solution.problem().tissue.skin_wrinkles() {
+        if solution.problem().tissue == Tissue::Layered {
             let resultant = contact.resultant() / 1000.0 + DVec3::ZERO;
             self.contact_resultant_n = Some(resultant.to_array());
         }
@@ -339,7 +333,7 @@ impl Outcome {
                 layer.tissue
             ));
         }
-        if matches!(problem.tissue, Tissue::Layered { .. }) {
+        if problem.tissue == Tissue::Layered {
             let solids = self.layers.iter().zip(&problem.materials).skip(1);
             for (layer, _) in solids.filter(|(_, m)| m.poisson_ratio > MAX_POISSON_RATIO) {
                 self.warnings.push(format!(

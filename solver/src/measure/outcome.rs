@@ -22,7 +22,7 @@ pub enum Status {
 /// The result of a scene. Fields that do not apply are `None`, null or absent in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Outcome {
-    /// `implant-preview/result/1`, of layered tissue `implant-preview/result/2`, where its skin wrinkles `implant-preview/result/3`.
+    /// `implant-preview/result/1`.
     pub schema: String,
     /// How the solve ended.
     pub status: Status,
@@ -34,7 +34,7 @@ pub struct Outcome {
     pub contact_material_radius_mm: Option<f64>,
     /// Force between dome and tissue along z \[N\].
     pub contact_force_n: Option<f64>,
-    /// Skin that wrinkles: resultant of the dome's forces on the tissue, \[x, y, z\] \[N\].
+    /// Layered tissue: resultant of the dome's forces on the tissue, \[x, y, z\] \[N\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_resultant_n: Option<[f64; 3]>,
     /// Contact pressure \[kPa\].
@@ -61,7 +61,7 @@ pub struct Outcome {
     pub area_gain_cm2: Option<f64>,
     /// Strains of the membrane.
     pub strain: Option<Strains>,
-    /// Skin that wrinkles: greatest principal strain / strain at which the skin's curve turns steep \[-\];
+    /// Layered tissue: greatest principal strain / strain at which the skin's curve turns steep \[-\];
     /// absent for a curve that does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin_reserve_used: Option<f64>,
@@ -72,10 +72,10 @@ pub struct Outcome {
     /// Layered tissue: 41 points of the skin's membrane along +x, material radius 0 … patch radius.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profile_skin: Vec<ProfilePoint>,
-    /// Skin that wrinkles: as `profile`, along +y.
+    /// Layered tissue: as `profile`, along +y.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profile_y: Vec<ProfilePoint>,
-    /// Skin that wrinkles: as `profile_skin`, along +y.
+    /// Layered tissue: as `profile_skin`, along +y.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profile_skin_y: Vec<ProfilePoint>,
     /// Layered tissue: thickness between implant and outer skin surface \[mm\].
@@ -87,7 +87,7 @@ pub struct Outcome {
     /// Layered tissue: greatest pull of the attachment around the pocket \[kPa\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub attachment_traction_kpa: Option<Traction>,
-    /// Skin that wrinkles: fraction of the skin of the whole patch, by area at rest, that is wrinkled or slack \[-\], 0 to 1.
+    /// Layered tissue: fraction of the skin of the whole patch, by area at rest, that is wrinkled or slack \[-\], 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrinkled: Option<f64>,
     /// What the solver did.

@@ -59,7 +59,7 @@ pub fn meridians(solution: &Solution) -> Vec<Meridian> {
             _ => along(Layer::inner(solution), direction, problem.patch.pocket_radius_mm),
         },
     });
-    let is_layered = matches!(problem.tissue, Tissue::Layered { .. });
+    let is_layered = problem.tissue == Tissue::Layered;
     let skin = directions.iter().filter(|_| is_layered).map(|&direction| Meridian {
         surface: "skin_membrane",
         direction,

@@ -5,12 +5,9 @@
 //! tension.
 
 use super::layered::pocket_weight;
-use crate::solve::Solution;
+use crate::solve::{Solution, Tissue};
 use crate::springs::tension_field::{self, FieldState};
 use glam::DVec2;
-
-/// The schema of a result of layered tissue whose skin is a tension field.
-pub const RESULT_SCHEMA_3: &str = "implant-preview/result/3";
 
 /// Wrinkle strain up to which skin counts as taut \[-\]: rounding of positions in f32. Tissue at rest is taut.
 const ROUNDING: f64 = 1e-6;
@@ -33,7 +30,7 @@ const VISIBLE_ON_PATCH: f64 = 0.05;
 /// Principal strains and Poisson ratio of the skin at a node; `None` where compression is not relaxed.
 fn skin(solution: &Solution, node: usize) -> Option<([f64; 2], f64)> {
     let problem = solution.problem();
-    let skin = problem.membrane().first().filter(|_| problem.tissue.skin_wrinkles())?;
+    let skin = problem.membrane().first().filter(|_| problem.tissue == Tissue::Layered)?;
     Some((solution.deformation().principal(node), skin.poisson_ratio))
 }
 
@@ -70,7 +67,7 @@ impl Shares {
     /// The shares of a solution; `None` where the skin is no tension field.
     pub(super) fn new(solution: &Solution) -> Option<Self> {
         let problem = solution.problem();
-        if !problem.tissue.skin_wrinkles() {
+        if problem.tissue == Tissue::Sheet {
             return None;
         }
         let (deformation, part) = (solution.deformation(), solution.part());
@@ -142,8 +139,8 @@ mod tests {
     }
 
     /// A solution whose skin is at these places, in the plane at rest.
-    fn with_skin(skin_wrinkles: bool, mirrored: bool, place: impl Fn(DVec2) -> DVec2) -> Solution {
-        let problem = samples::layered_at_rest(17, skin_wrinkles);
+    fn with_skin(mirrored: bool, place: impl Fn(DVec2) -> DVec2) -> Solution {
+        let problem = samples::layered_at_rest(17);
         let mut solver = Solver::new(problem.clone());
         solver.advance(&mut || false);
         let solution = solver.solution();
@@ -157,21 +154,21 @@ mod tests {
     }
 
     /// A strip pulled along an angle \[degrees\]: stretches along and across.
-    fn pulled(skin_wrinkles: bool, degrees: f64, along: f64, across: f64) -> Solution {
+    fn pulled(degrees: f64, along: f64, across: f64) -> Solution {
         let axis = DVec2::from_angle(degrees.to_radians());
         let place = move |p: DVec2| {
             axis * (along * axis.dot(p)) + axis.perp() * (across * axis.perp().dot(p))
         };
-        with_skin(skin_wrinkles, false, place)
+        with_skin(false, place)
     }
 
     #[test]
     fn a_strip_pulled_one_way_wrinkles_along_the_pull() {
         for degrees in [0.0, 30.0, 90.0, 135.0] {
             // Wider than 1 − ν · 0.2 = 0.91 there are no wrinkles.
-            let taut = pulled(true, degrees, 1.2, 0.92);
+            let taut = pulled(degrees, 1.2, 0.92);
             assert_eq!(Shares::new(&taut), Some(Shares::default()));
-            let wrinkled = pulled(true, degrees, 1.2, 0.88);
+            let wrinkled = pulled(degrees, 1.2, 0.88);
             let shares = Shares::new(&wrinkled).unwrap();
             assert!((shares.wrinkled - 1.0).abs() < 1e-12, "{shares:?}");
             assert!((shares.visible_over_pocket - 1.0).abs() < 1e-12, "{shares:?}");
@@ -198,7 +195,7 @@ mod tests {
         // The circles of the skin shrink by more than the radii.
         let place = |p: DVec2| p * (0.7 + 0.15 * p.length() / 100.0);
         for mirrored in [true, false] {
-            let fields = Fields::new(Arc::new(with_skin(true, mirrored, |p| place(p) * 1.15)));
+            let fields = Fields::new(Arc::new(with_skin(mirrored, |p| place(p) * 1.15)));
             let solution = fields.solution();
             let rest = solution.problem().sheet().rest();
             let mut count = 0;
@@ -216,7 +213,7 @@ mod tests {
 
     #[test]
     fn slack_skin_has_no_stress_and_no_direction() {
-        let slack = pulled(true, 20.0, 0.97, 0.8);
+        let slack = pulled(20.0, 0.97, 0.8);
         assert!((Shares::new(&slack).unwrap().wrinkled - 1.0).abs() < 1e-12);
         let loads = layers::loads(slack.problem().membrane(), slack.deformation(), true);
         assert!(loads[0].max_stress == 0.0 && !loads[0].is_beyond_data);
@@ -225,26 +222,13 @@ mod tests {
         assert!(slack.values(Field::WrinkleState).contains(&2.0));
         assert!(slack.wrinkle_directions().iter().all(|crest| *crest == Vec2::ZERO));
         // Wrinkled skin: that of uniaxial tension, 100 kPa · 0.2.
-        let wrinkled = Fields::new(Arc::new(pulled(true, 20.0, 1.2, 0.7)));
+        let wrinkled = Fields::new(Arc::new(pulled(20.0, 1.2, 0.7)));
         let greatest = wrinkled.values(Field::Stress(0)).iter().copied().fold(0.0, f32::max);
         assert!((greatest - 20.0).abs() < 1e-3, "{greatest}");
     }
 
     #[test]
-    fn compressed_skin_of_older_scenes_keeps_its_stress_and_has_no_state() {
-        let compressed = pulled(false, 20.0, 1.2, 0.7);
-        assert_eq!((Shares::new(&compressed), state(&compressed, 40)), (None, None));
-        assert!(layers::compression(&compressed).is_some());
-        let fields = Fields::new(Arc::new(compressed));
-        let stress = fields.at(Field::Stress(0), 17 * 8 + 8).unwrap();
-        // (0.2 − 0.45 · 0.3) · 100 kPa/(1 − 0.45²), below the end of the line at strain 0.4.
-        assert!((stress - 6.5 / 0.7975).abs() < 1e-9, "{stress}");
-        assert_eq!(fields.at(Field::WrinkleState, 40), None);
-        assert!(fields.values(Field::WrinkleState).iter().all(|state| *state == 0.0));
-    }
-
-    #[test]
     fn tissue_at_rest_is_taut() {
-        assert_eq!(Shares::new(&with_skin(true, false, |p| p)), Some(Shares::default()));
+        assert_eq!(Shares::new(&with_skin(false, |p| p)), Some(Shares::default()));
     }
 }

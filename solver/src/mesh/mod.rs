@@ -23,4 +23,4 @@ pub(crate) use disc_grid::coarser_nodes_per_side;
 pub use disc_grid::{CELL_TRIANGLES, CellKind, NodeKind, Sheet, rounded_nodes_per_side};
 pub use grid::{HeightGrid, ThicknessField};
 pub use patch::{Attachment, Edge, Patch};
-pub use rest::{Cells, Rest, Surface, automatic_cells, balanced_cells};
+pub use rest::{Cells, Rest, Surface, balanced_cells};

@@ -256,9 +256,8 @@ fn shared_out(thickness: &[f64], cells: usize) -> Vec<usize> {
     counts
 }
 
-/// Thickness of solids up to which they have one cell, and above which those of `scene/2` have four \[mm\]: cells much flatter
-/// than wide are very stiff.
-const ONE_OR_FOUR_MM: (f64, f64) = (4.0, 15.0);
+/// Thickness of solids up to which they may have one cell \[mm\]: cells much flatter than wide are very stiff.
+const ONE_CELL_MM: f64 = 4.0;
 
 /// The most cells that [`balanced_cells`] chooses: eight instead of six move 15 mm of fat at 129 nodes per side by 0.02 % of the
 /// base radius and cost a third more.
@@ -270,22 +269,8 @@ const MOST_BALANCED_CELLS: f64 = 6.0;
 /// spacings, whatever the patient (`solve/discretisation`).
 pub fn balanced_cells(solids_mm: &[f64], spacing_mm: f64) -> usize {
     let thickness: f64 = solids_mm.iter().rev().sum();
-    let least = if thickness > ONE_OR_FOUR_MM.0 { 2.0 } else { 1.0 };
+    let least = if thickness > ONE_CELL_MM { 2.0 } else { 1.0 };
     let cells = (thickness / spacing_mm).round().clamp(least, MOST_BALANCED_CELLS) as usize;
-    cells.max(solids_mm.len()).min(MAX_CELLS)
-}
-
-/// Cells through solids of `scene/2` of these thicknesses \[mm\], whatever the grid.
-pub fn automatic_cells(solids_mm: &[f64]) -> usize {
-    let thickness: f64 = solids_mm.iter().rev().sum();
-    let (one, four) = ONE_OR_FOUR_MM;
-    let cells = if thickness > four {
-        4
-    } else if thickness > one {
-        2
-    } else {
-        1
-    };
     cells.max(solids_mm.len()).min(MAX_CELLS)
 }
 

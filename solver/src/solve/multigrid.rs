@@ -2,8 +2,8 @@
 
 use super::Problem;
 use super::fas::{
-    Ending, FullMultigrid, LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE,
-    LAYERED_RISING, MEMBRANE, State, Stop,
+    Ending, FullMultigrid, LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE, State,
+    Stop,
 };
 use super::problem::Tissue;
 use super::validity::Invalid;
@@ -28,8 +28,8 @@ impl Law {
             Tissue::Sheet => {
                 Self::Sheet(Arc::new(SheetLaw::new(problem.springs, &problem.materials)))
             }
-            Tissue::Layered { skin_wrinkles } => {
-                let law = LayeredLaw::new(&problem.materials, skin_wrinkles);
+            Tissue::Layered => {
+                let law = LayeredLaw::new(&problem.materials);
                 Self::Layered(Arc::new(law))
             }
         }
@@ -109,8 +109,7 @@ impl Multigrid {
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         if let Self::Layered(scheme) = self {
             // An earlier solve may have ended in another attempt.
-            let wrinkles = problem.tissue.skin_wrinkles();
-            scheme.set_parameters(if wrinkles { &LAYERED } else { &LAYERED_COMPRESSED });
+            scheme.set_parameters(&LAYERED);
         }
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }

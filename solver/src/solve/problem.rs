@@ -43,7 +43,7 @@ impl Problem {
     pub fn membrane(&self) -> &[Material] {
         match self.tissue {
             Tissue::Sheet => &self.materials,
-            Tissue::Layered { .. } => &self.materials[..1],
+            Tissue::Layered => &self.materials[..1],
         }
     }
 
@@ -54,11 +54,10 @@ impl Problem {
     }
 
     /// Strain at which the curve of the skin turns steep \[-\], the skin's reserve
-    /// ([`Curve::knee`](crate::curve::Curve::knee)); `None` for a skin that does not wrinkle, or whose curve does not stiffen so
-    /// far.
+    /// ([`Curve::knee`](crate::curve::Curve::knee)); `None` for a sheet, or a skin whose curve does not stiffen so far.
     #[must_use]
     pub fn skin_knee(&self) -> Option<f64> {
-        self.materials.first().filter(|_| self.tissue.skin_wrinkles())?.curve.knee()
+        self.materials.first().filter(|_| self.tissue == Tissue::Layered)?.curve.knee()
     }
 }
 
@@ -68,19 +67,9 @@ pub enum Tissue {
     /// All layers are one membrane.
     #[default]
     Sheet,
-    /// The first layer is a membrane, the skin; the others are solids under it.
-    Layered {
-        /// Does the skin wrinkle instead of being compressed (tension field)? Else compression is the odd extension of its curve.
-        skin_wrinkles: bool,
-    },
-}
-
-impl Tissue {
-    /// Is the skin a tension field? Such skin wrinkles instead of being compressed.
-    #[must_use]
-    pub fn skin_wrinkles(self) -> bool {
-        matches!(self, Self::Layered { skin_wrinkles: true, .. })
-    }
+    /// The first layer is a membrane, the skin, which wrinkles instead of being compressed (tension field); the others are
+    /// solids under it.
+    Layered,
 }
 
 /// State of a solve between two slices.

@@ -60,9 +60,9 @@ fn own_id() -> egui::Id {
     egui::Id::unique("radii of the chest")
 }
 
-/// Shows the choice of the chest in a row; nothing for tissue without one: a sheet, older files.
+/// Shows the choice of the chest in a row; nothing for a sheet, which has none.
 pub(super) fn chest(ui: &mut Ui, scene: &mut Scene) {
-    if scene.may_have_chest() {
+    if scene.is_layered() {
         named(ui, tr("Chest"), |ui| choices(ui, scene));
     }
 }

@@ -56,7 +56,7 @@ const CHEST: &str = "chest";
 pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     let mut fields = Vec::with_capacity(NUMBERS.len() + 1);
     for (name, number) in NUMBERS {
-        let has_shape = name == WIDTH && has_shape(scene, choices);
+        let has_shape = name == WIDTH && has_shape(choices);
         fields.extend(has_shape.then(|| shape_field(scene)));
         fields.extend(number.control(scene, choices).map(|(control, value)| {
             let allowed = control.allowed();
@@ -81,7 +81,7 @@ pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
         }));
         if name == PINCH {
             fields.push(skin(scene));
-            fields.extend(scene.may_have_chest().then(|| chest_field(scene)));
+            fields.extend(scene.is_layered().then(|| chest_field(scene)));
         }
     }
     fields.extend(visit::form_fields(scene));
@@ -93,9 +93,9 @@ fn without_last(choices: &Choices) -> Choices {
     Choices { last: None, ..*choices }
 }
 
-/// Has the plan a choice between round and anatomical? An expander and older plans have none.
-fn has_shape(scene: &Scene, choices: &Choices) -> bool {
-    choices.device == Device::Implant && scene.may_be_anatomical()
+/// Has the plan a choice between round and anatomical? An expander has none.
+fn has_shape(choices: &Choices) -> bool {
+    choices.device == Device::Implant
 }
 
 /// The choice of the implant's shape.
@@ -172,7 +172,7 @@ pub(in crate::app) fn set(
         patient::measure(scene, measured);
         return Ok(());
     }
-    if name == SHAPE && has_shape(scene, choices) {
+    if name == SHAPE && has_shape(choices) {
         let words = shape::CHOICES.map(|(word, _)| word);
         let is_anatomical = words.iter().position(|word| *word == text.trim());
         let is_anatomical = is_anatomical
@@ -180,7 +180,7 @@ pub(in crate::app) fn set(
         shape::set_anatomical(scene, choices, is_anatomical == 1);
         return Ok(());
     }
-    if name == CHEST && scene.may_have_chest() {
+    if name == CHEST && scene.is_layered() {
         let choices = chest::CHOICES;
         let found = choices.into_iter().find(|(word, ..)| *word == text.trim());
         let (_, chest, _) = found.ok_or_else(|| {

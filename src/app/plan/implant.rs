@@ -78,7 +78,7 @@ fn about_fill(ui: &mut Ui, size: Size) {
     ));
 }
 
-/// The switch between a round implant, an anatomical one, which older plans cannot have, and an expander.
+/// The switch between a round implant, an anatomical one and an expander.
 fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
     let [round, anatomical] = shape::CHOICES;
     let expander = ("expander", "A tissue expander: the fill raises a base of fixed width");
@@ -92,9 +92,6 @@ fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
         devices.reverse();
     }
     for (device, becomes_anatomical, (name, tooltip)) in devices {
-        if becomes_anatomical && !scene.may_be_anatomical() {
-            continue;
-        }
         let is_shape = device == Device::Expander || is_anatomical == becomes_anatomical;
         if chip(ui, hand, choices.device == device && is_shape, tr(name), tr(tooltip)) {
             if choices.device != device {

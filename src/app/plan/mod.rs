@@ -82,7 +82,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         fold,
         fill,
         Some((tr("Tissue"), layers.join(", "))),
-        scene.may_have_chest().then(|| (tr("Chest"), chest_in_words(scene))),
+        scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
         Some((
             tr("Position"),

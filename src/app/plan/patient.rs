@@ -5,7 +5,7 @@ use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
-use crate::scene::{Field, Scene, TissueModel};
+use crate::scene::{Field, Scene};
 use eframe::egui::{Id, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
@@ -34,10 +34,6 @@ pub(super) fn measured(scene: &Scene) -> Measurements {
 
 /// Derives the values of the scene from the measurements.
 pub(super) fn measure(scene: &mut Scene, measured: Measurements) {
-    if scene.body.is_none() {
-        // A sheet of `scene/1` becomes the equal sheet of `scene/2`, which may have a patient.
-        scene.set_tissue_model(TissueModel::Sheet);
-    }
     // The controls allow the ranges of the measurements only; otherwise the scene is unchanged.
     let _ = scene.apply_patient(measured);
 }

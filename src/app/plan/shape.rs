@@ -172,11 +172,10 @@ pub(super) fn set_height(scene: &mut Scene, choices: &Choices, height: f64) {
     }
 }
 
-/// The control of the fullness, and the fullness; `None` for older plans and expanders, which have none.
+/// The control of the fullness, and the fullness; `None` for expanders, which have none.
 pub(in crate::app) fn fullness(scene: &Scene, device: Device) -> Option<(Control<'static>, f64)> {
-    let has_one = scene.may_be_anatomical() && device == Device::Implant;
     let control = || Control { reset: HALF_ELLIPSOID, ..Control::of(Field::Fullness) };
-    has_one.then(|| (control(), scene.implant.fullness()))
+    (device == Device::Implant).then(|| (control(), scene.implant.fullness()))
 }
 
 /// The control of the way of the apex, and the way \[cm\]; `None` for a round implant.
@@ -219,7 +218,7 @@ mod tests {
         assert_eq!(scene, before);
         set_size(&mut scene, size.changed(Dimension::BaseWidth, 130.0, Dimension::Volume).unwrap());
         assert_eq!((scene.implant.base_radius_mm, scene.pocket_radius_mm), (65.0, 75.0));
-        assert_eq!(scene.body.unwrap().patch_radius_mm, 135.0);
+        assert_eq!(scene.body.patch_radius_mm, 135.0);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{characters_left, field_frame, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
-use crate::scene::{FillSchedule, Scene, Side, TissueModel, Visit};
+use crate::scene::{FillSchedule, Scene, Side, Visit};
 use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
 
 /// The choice of no side, and the name of the date.
@@ -59,7 +59,7 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
     let (mut now, mut side) = (scene.visit.clone().unwrap_or_default(), scene.side);
     let focused = fields(ui, &mut now, &mut side, hand);
     set(scene, now);
-    set_side(scene, side);
+    scene.side = side;
     focused
 }
 
@@ -68,23 +68,7 @@ fn set(scene: &mut Scene, now: Visit) {
     if now == scene.visit.clone().unwrap_or_default() {
         return;
     }
-    leave_first(scene);
     scene.visit = (!now.is_empty()).then_some(now);
-}
-
-/// Replaces the side; an equal one leaves the scene as it is.
-fn set_side(scene: &mut Scene, side: Option<Side>) {
-    if side != scene.side {
-        leave_first(scene);
-        scene.side = side;
-    }
-}
-
-/// A sheet of `scene/1` becomes the equal sheet of a version that may have side and visit.
-fn leave_first(scene: &mut Scene) {
-    if scene.body.is_none() {
-        scene.set_tissue_model(TissueModel::Sheet);
-    }
 }
 
 /// Sets the schedule of the fills; that of the defaults is not stated.
@@ -143,7 +127,7 @@ pub(super) fn set_form_field(
                 let words = Side::ALL.map(Side::word).join(", ");
                 return Some(Err(tr!("Side: allowed: {words}, {none}", words, none = NOT_SAID)));
             }
-            set_side(scene, side);
+            scene.side = side;
             return Some(Ok(()));
         }
         "date" => {

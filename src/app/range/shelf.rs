@@ -132,33 +132,24 @@ fn words(size: &ShelfSize) -> String {
     )
 }
 
-/// The scene with a size of the shelf: the listed numbers with the maker's name. The pocket keeps its margin. A plan of an older
-/// schema has neither fullness nor name: of width, projection and volume it keeps width and volume.
+/// The scene with a size of the shelf: the listed numbers with the maker's name. The pocket keeps its margin.
 pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
     let dome = size.size();
     let mut scene = scene.clone();
     scene.implant.make_round();
     scene.implant.fullness = None;
-    let projection = Parameter::of(Field::Projection);
-    let mut values = vec![(Parameter::BaseWidth, size.width_mm())];
-    let is_named = scene.may_be_anatomical();
-    match (is_named, size.listed_projection_mm(), size.listed_volume_ml()) {
-        (true, ..) => {
-            values.push((projection, dome.projection_mm()));
-            if !size.is_round() {
-                values.push((Parameter::of(Field::BaseHeight), dome.base_height_mm()));
-            }
-            if (dome.fullness() - HALF_ELLIPSOID).abs() > 1e-9 {
-                scene.implant.fullness = Some(dome.fullness());
-            }
-        }
-        (false, _, Some(volume)) => values.push((Parameter::Volume, volume)),
-        (false, ..) => values.push((projection, dome.projection_mm())),
+    let mut values = vec![
+        (Parameter::BaseWidth, size.width_mm()),
+        (Parameter::of(Field::Projection), dome.projection_mm()),
+    ];
+    if !size.is_round() {
+        values.push((Parameter::of(Field::BaseHeight), dome.base_height_mm()));
+    }
+    if (dome.fullness() - HALF_ELLIPSOID).abs() > 1e-9 {
+        scene.implant.fullness = Some(dome.fullness());
     }
     let mut scene = with_values(&scene, &values).map_err(|error| error.to_string())?;
-    if is_named {
-        size.label().clone_into(&mut scene.implant_reference);
-    }
+    size.label().clone_into(&mut scene.implant_reference);
     Ok(scene)
 }
 

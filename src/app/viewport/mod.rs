@@ -438,10 +438,10 @@ impl Viewport {
         let (right, up) = self.camera.light();
         // A sheet ends at the pocket's edge.
         let pocket = match problem.tissue {
-            Tissue::Layered { .. } if pocket_line => {
+            Tissue::Layered if pocket_line => {
                 problem.patch.pocket_radius_mm / problem.sheet().spacing_mm()
             }
-            Tissue::Layered { .. } | Tissue::Sheet => 0.0,
+            Tissue::Layered | Tissue::Sheet => 0.0,
         };
         let frame = Frame {
             picture: number,

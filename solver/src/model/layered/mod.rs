@@ -39,11 +39,11 @@ pub struct LayeredLaw {
 }
 
 impl LayeredLaw {
-    /// The laws of materials from the skin inwards. Does the skin wrinkle instead of being compressed?
-    pub fn new(materials: &[Material], skin_wrinkles: bool) -> Self {
+    /// The laws of materials from the skin inwards.
+    pub fn new(materials: &[Material]) -> Self {
         let (skin, solids) = materials.split_at(materials.len().min(1));
         Self {
-            skin: SheetLaw::of_skin(skin, skin_wrinkles),
+            skin: SheetLaw::of_skin(skin),
             solids: solids.iter().rev().map(CurveLaw::new).collect(),
         }
     }

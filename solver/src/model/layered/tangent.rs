@@ -312,7 +312,7 @@ mod tests {
             material(CurveSpec::Linear { modulus_kpa: 1e-6 }, 0.4, 1e-3),
             material(CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 }, 0.45, 20.0),
         ];
-        let law = LayeredLaw::new(&materials, false);
+        let law = LayeredLaw::new(&materials);
         let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2).over(chest);
         let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });

@@ -44,14 +44,9 @@ fn law_layers(materials: &[Material]) -> Vec<LawLayer<'_>> {
 }
 
 impl SheetLaw {
-    /// The law of the skin of layered tissue, which may wrinkle instead of being compressed.
-    pub(crate) fn of_skin(skin: &[Material], wrinkles: bool) -> Self {
-        let layers = law_layers(skin);
-        Self::Coupled(if wrinkles {
-            CoupledLaw::tension_field(&layers)
-        } else {
-            CoupledLaw::new(&layers)
-        })
+    /// The law of the skin of layered tissue, which wrinkles instead of being compressed.
+    pub(crate) fn of_skin(skin: &[Material]) -> Self {
+        Self::Coupled(CoupledLaw::tension_field(&law_layers(skin)))
     }
 
     /// The law of the given springs and layers.

@@ -30,9 +30,7 @@ use cycle::Step;
 use glam::DVec3;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{
-    LAYERED, LAYERED_COMPRESSED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE,
-};
+pub(super) use parameters::{LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE};
 use std::iter::successors;
 
 /// State of the scheme.

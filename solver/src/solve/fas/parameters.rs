@@ -160,11 +160,6 @@ const GENTLE_SMOOTHING: Smoothing = Smoothing {
     after: &[0.0512, 0.0623, 0.0962, 0.2102, 0.7875],
 };
 
-/// The constants for layered tissue whose skin bears compression (`scene/2`), mostly with softening fat: the rate of convergence
-/// grows from cycle to cycle.
-pub(in crate::solve) const LAYERED_COMPRESSED: Parameters =
-    Parameters { min_convergence_factor: 0.6, error_safety: 4.0, max_start_cycles: 2, ..LAYERED };
-
 /// The constants of the second attempt for layered tissue that stiffens too fast for [`LAYERED`], or whose spectrum of D⁻¹H
 /// reaches farther: blocks renewed before every step.
 pub(in crate::solve) const LAYERED_FRESH: Parameters = Parameters {

@@ -3,11 +3,13 @@
 use super::*;
 use crate::curve::{Curve, CurveSpec};
 use crate::mesh::Chest;
-use crate::springs::Material;
+use crate::model::membrane::law::SheetLaw;
+use crate::springs::{Material, Springs};
 
 const CHEST: Chest = Chest::Curved { across_mm: 110.0, along_mm: 200.0 };
 const THICKNESS_MM: f64 = 14.0;
 
+/// Skin that bears compression: at rest a tension field is exact to the root of the rounding only.
 fn law(skin_mm: f64) -> LayeredLaw {
     let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
         curve: Curve::new(spec).unwrap(),
@@ -16,7 +18,9 @@ fn law(skin_mm: f64) -> LayeredLaw {
     };
     let fat = CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 };
     let skin = material(&CurveSpec::Skin {}, 0.45, skin_mm);
-    LayeredLaw::new(&[skin, material(&fat, 0.45, THICKNESS_MM)], false)
+    let compressed = SheetLaw::new(Springs::Coupled, std::slice::from_ref(&skin));
+    let fat = material(&fat, 0.45, THICKNESS_MM);
+    LayeredLaw { skin: compressed, ..LayeredLaw::new(&[skin, fat]) }
 }
 
 fn rest(nodes: usize) -> Rest {
