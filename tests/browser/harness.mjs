@@ -92,7 +92,7 @@ const flatPlan = () => {
 
 /** Options of a context in which the browser has kept the flat plan, and the switch "Research" if on, for the next start of the app. */
 export function withCoarsePlan(address, isResearch = false) {
-  const value = JSON.stringify({ scene: flatPlan(), choices: { device: "implant", follows: "projection" } });
+  const value = JSON.stringify({ scene: flatPlan(), choices: { device: "implant", follows: "projection" }, cross_section: true });
   const localStorage = [{ name: "implant-preview/plan/1", value }];
   if (isResearch) localStorage.push({ name: "implant-preview/research/1", value: "on" });
   return { storageState: { cookies: [], origins: [{ origin: new URL(address).origin, localStorage }] } };

@@ -99,13 +99,6 @@ fn the_cross_section_is_in_sight_once_and_its_switch_is_kept() {
     next.state_mut().restore_plan(&kept);
     settle(&mut next);
     assert!(!has_strip(&next));
-    // A text of an earlier version has no switch.
-    let mut earlier: serde_json::Value = serde_json::from_str(&kept).unwrap();
-    earlier.as_object_mut().unwrap().remove("cross_section");
-    let mut next = desktop();
-    next.state_mut().restore_plan(&earlier.to_string());
-    settle(&mut next);
-    assert!(has_strip(&next));
 }
 
 /// The chosen plane of the cross-section.

@@ -60,12 +60,7 @@ pub(in crate::app) struct KeptPlan {
     pub(in crate::app) scene: serde_json::Value,
     pub(in crate::app) choices: Choices,
     /// Is the cross-section under the picture?
-    #[serde(default = "is_shown")]
     pub(in crate::app) cross_section: bool,
-}
-
-fn is_shown() -> bool {
-    true
 }
 
 /// Is a text to be stored now? It is then stored once.

@@ -180,9 +180,6 @@ fn a_shelf_is_the_same_after_its_own_table() {
     // Three digits behind the point are no thousands; names may be numbers.
     let shelf = Shelf::from_csv("name;width_cm;volume_ml\n350;12.3456;287.1251\n").unwrap();
     assert_eq!(Shelf::from_csv(&shelf.to_csv()), Ok(shelf));
-    // As kept by older versions.
-    let old = Shelf::from_csv("name;width_mm;projection_mm;volume_ml\n\"A\";123.456;37;\n");
-    assert_eq!(listed(&old.unwrap()), [("A", 123.456, None, Some(37.0), None)]);
 }
 
 #[test]
