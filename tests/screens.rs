@@ -1143,12 +1143,14 @@ fn the_largest_volume_that_stays_usual_is_known_without_an_edit_and_is_taken_by_
         harness.get_by_role_and_label(Role::Button, "Undo").click();
         settle(&mut harness);
         assert!(!harness.state().session().can_undo());
-        // An expander is not compared with practice.
+        // An expander is not compared with practice, and the sentence has its reason.
         press(&mut harness, "expander");
         harness.run();
-        wait_until(&mut harness, "the largest volume", |harness| {
+        let words = wait_until(&mut harness, "the largest volume", |harness| {
             text_with(harness, " stays usual on 12 cm; ")
         });
+        assert!(words.starts_with("Filled at once, up to "), "{words}");
+        assert!(words.ends_with(" on 13 cm (no practice for expanders)."), "{words}");
     }
 }
 

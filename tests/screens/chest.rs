@@ -23,7 +23,7 @@ fn a_chest_is_chosen_from_a_list_or_by_its_radii() {
     let mut harness = app(DESKTOP, flat);
     let chest = |harness: &Harness<'static, App>| harness.state().session().scene().chest;
     for (name, shape) in [
-        ("round chest", Some(ChestShape::ROUND)),
+        ("barrel chest", Some(ChestShape::ROUND)),
         ("usual chest", Some(ChestShape::USUAL)),
         ("flat chest", None),
         ("chest of its own…", Some(ChestShape::USUAL)),

@@ -21,7 +21,7 @@ pub(super) const CHOICES: [ChestChoice; 3] = [
     (
         "round",
         Some(ChestShape::ROUND),
-        "Radius of curvature 12 cm across and along: a barrel chest.",
+        "Radius of curvature 12 cm across the body and along it, a sphere.",
     ),
 ];
 
@@ -74,7 +74,7 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
     let name = |word: Option<&str>| match word {
         Some("flat") => tr("flat chest"),
         Some("usual") => tr("usual chest"),
-        Some(_) => tr("round chest"),
+        Some(_) => tr("barrel chest"),
         None => tr("chest of its own…"),
     };
     let list = egui::ComboBox::from_id_salt("chest").width(150.0).selected_text(name(present));

@@ -15,7 +15,7 @@ use super::texts::tr;
 use super::volume_band::VolumeBand;
 use super::volumes::volumes;
 use super::widgets::quantity::format_at_most;
-use crate::clinical::{Shelf, ShelfSize};
+use crate::clinical::{STEP_ML, Shelf, ShelfSize};
 use crate::scene::Scene;
 use crate::study::{
     BandsSettings, Map, Parameter, Quantity, breast_width_mm, has_shape_of_practice, with_values,
@@ -183,15 +183,19 @@ impl VolumeMarks {
         };
         let width = width_in_words(curve.base());
         let practice = practices.volume(curve.base()).map(|practice| practice.volume_ml());
-        let base = centimetres(breast_width_mm(curve.base()));
+        let (base, step) = (centimetres(breast_width_mm(curve.base())), STEP_ML);
+        let is_expander = self.own.is_of_expander();
         let words = match (practice, largest) {
             (Some(ml), largest) => {
                 let takes = match base == width {
-                    true => tr!("{width} cm: practice takes {ml:.0} ml; ", width, ml),
+                    true => {
+                        tr!("{width} cm: practice takes {ml:.0} ± {step:.0} ml; ", width, ml, step)
+                    }
                     false => tr!(
-                        "{width} cm: practice takes {ml:.0} ml for a base of {base} cm; ",
+                        "{width} cm: practice takes {ml:.0} ± {step:.0} ml for a base of {base} cm; ",
                         width,
                         ml,
+                        step,
                         base
                     ),
                 };
@@ -201,6 +205,9 @@ impl VolumeMarks {
                 tr!("No volume on {width} cm stays usual, because the cover is thin", width)
             }
             (None, None) => tr!("No volume on {width} cm stays usual", width),
+            (None, Some(volume)) if is_expander => {
+                tr!("Filled at once, up to {volume} stays usual on {width} cm", volume, width)
+            }
             (None, Some(volume)) => tr!("Up to {volume} stays usual on {width} cm", volume, width),
         } + &self.band.words();
         let beside = self.beside.largest().zip(self.beside.curve()).map(|(largest, beside)| {
@@ -208,7 +215,8 @@ impl VolumeMarks {
             let volume = largest.unwrap_or_else(|| tr("none").to_owned());
             tr!("; {volume} on {width} cm", volume, width)
         });
-        format!("{words}{}.", beside.unwrap_or_default())
+        let why = if is_expander { tr(" (no practice for expanders)") } else { "" };
+        format!("{words}{}{why}.", beside.unwrap_or_default())
     }
 
     /// Is the cover what ends the usual volumes at the plan's width?
@@ -400,7 +408,7 @@ mod tests {
             let own = width(120.0, vec![as_practice, end], Some(330.0));
             let marks = VolumeMarks { own, ..VolumeMarks::default() };
             let words = marks.largest_usual(&practices);
-            assert_eq!(words, format!("12 cm: practice takes 300 ml; {expected}."));
+            assert_eq!(words, format!("12 cm: practice takes 300 ± 30 ml; {expected}."));
         }
         // An implant of another shape than practice's round one, on a breast whose base is measured.
         let mut plan = Scene::opening();
@@ -411,7 +419,7 @@ mod tests {
         let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(310.0));
         assert_eq!(
             VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices),
-            "12 cm: practice takes 325 ml for a base of 13 cm; this skin carries up to 310 ml of this shape with the same stretch."
+            "12 cm: practice takes 325 ± 30 ml for a base of 13 cm; this skin carries up to 310 ml of this shape with the same stretch."
         );
     }
 

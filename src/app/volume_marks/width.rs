@@ -125,6 +125,11 @@ impl Width {
         }))
     }
 
+    /// Are the volumes fills of an expander, which has no practice?
+    pub(super) fn is_of_expander(&self) -> bool {
+        self.against == Some(Against::Skin(None))
+    }
+
     /// Are the stretches compared with practice?
     pub(super) fn is_against_practice(&self) -> bool {
         self.against.is_some_and(|against| against.practice().is_some())
