@@ -5,7 +5,11 @@ use implant_preview::scene::{ChestShape, Side};
 
 /// The places of the words of the directions on the picture, of those that are drawn.
 fn directions(harness: &Harness<'static, App>) -> Vec<(String, egui::Pos2)> {
-    let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+    directions_in(harness, "3-D view")
+}
+
+fn directions_in(harness: &Harness<'static, App>, canvas: &str) -> Vec<(String, egui::Pos2)> {
+    let view = harness.get_by_role_and_label(Role::Canvas, canvas).rect();
     let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
         egui::Shape::Text(text) => {
             Some((text.galley.text(), text.visual_bounding_rect(), shape.clip_rect))
@@ -49,6 +53,24 @@ fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan()
             assert!(midline.x < view.left() + third.x, "{size} {shape}: {words:?} in {view:?}");
             assert!(side.x > view.right() - third.x, "{size} {shape}: {words:?} in {view:?}");
         }
+    }
+}
+
+#[test]
+fn beside_a_drawn_torso_only_head_and_feet_have_words() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    press(&mut harness, "Front");
+    harness.run_steps(40);
+    assert_eq!(directions(&harness).len(), 4);
+    press(&mut harness, "View");
+    harness.get_by_role_and_label(Role::CheckBox, "Torso").click();
+    harness.run_steps(40);
+    for (canvas, expected) in
+        [("3-D view", ["feet", "head"]), ("Cross-section", ["midline", "side"])]
+    {
+        let words = directions_in(&harness, canvas).into_iter().map(|(word, _)| word);
+        let words: std::collections::BTreeSet<String> = words.collect();
+        assert!(words.iter().eq(&expected), "{canvas}: {words:?}");
     }
 }
 

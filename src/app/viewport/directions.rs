@@ -16,8 +16,9 @@ pub(super) enum Edge {
 const LEAST: f32 = 0.35;
 
 /// The words of a view with these unit vectors to the right and up, each with its edge. Of the two axes of the patient one goes
-/// across the screen and the other one up, as both are seen best.
-pub(super) fn words(right: Vec3, up: Vec3) -> Vec<(Edge, &'static str)> {
+/// across the screen and the other one up, as both are seen best. A drawn torso has its own midline and sides, which are not the edges of
+/// the picture: beside it only head and feet have words.
+pub(super) fn words(right: Vec3, up: Vec3, has_torso: bool) -> Vec<(Edge, &'static str)> {
     let on_screen = |axis: Vec3| Vec2::new(axis.dot(right), axis.dot(up));
     let [side, head] = [Vec3::X, Vec3::Y].map(on_screen);
     let is_side_across = side.x.abs() + head.y.abs() >= side.y.abs() + head.x.abs();
@@ -26,7 +27,7 @@ pub(super) fn words(right: Vec3, up: Vec3) -> Vec<(Edge, &'static str)> {
         (head, !is_side_across, [tr("feet"), tr("head")]),
     ];
     let mut words = Vec::with_capacity(4);
-    for (axis, is_across, [back, forth]) in axes {
+    for (axis, is_across, [back, forth]) in axes.into_iter().skip(usize::from(has_torso)) {
         let (along, edges) = if is_across {
             (axis.x, [Edge::Left, Edge::Right])
         } else {
@@ -52,7 +53,7 @@ mod tests {
         camera.fit(90.0, 1.4, view);
         while camera.ease(0.1) {}
         let (right, up) = camera.right_and_up();
-        words(right, up).into_iter().find_map(|(at, word)| (at == edge).then_some(word))
+        words(right, up, false).into_iter().find_map(|(at, word)| (at == edge).then_some(word))
     }
 
     #[test]
@@ -73,7 +74,7 @@ mod tests {
         for _ in 0..60 {
             camera.drag(Vec2::new(17.0, 3.0));
             let (right, up) = camera.right_and_up();
-            let found = words(right, up);
+            let found = words(right, up, false);
             assert!(found.len() >= 2, "{found:?}");
             for (edge, word) in found {
                 let axis = match word {

@@ -308,7 +308,7 @@ impl Viewport {
         let legend = |scale| overlay::legend(ui, &painter, free, bar, scale);
         let taken = [scale.map_or(Rect::NOTHING, legend), bar];
         let (right, up) = self.camera.right_and_up();
-        let words = directions::words(right, up);
+        let words = directions::words(right, up, options.torso);
         let taken = overlay::directions(ui, &painter, free, &words, &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section, taken: &taken };
