@@ -20,6 +20,9 @@ pub(super) fn is_table(name: &str) -> bool {
     extension.is_some_and(|extension| TABLES.contains(&&*extension))
 }
 
+/// Extension of reports.
+pub(super) const REPORT: &str = "html";
+
 /// Time within which no user cancels a dialog.
 const LEAST_DIALOG: Duration = Duration::from_millis(300);
 /// Greatest number of characters of a reference in the name of a file.

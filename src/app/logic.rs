@@ -346,7 +346,10 @@ impl App {
                         .and_then(|plan| self.open(plan).map_err(|error| error.to_string()));
                     self.show_opened(opened, &name, tr!("Opened {name}.", name))
                 }
-                FileEvent::Saved(name) => Notice::info(tr!("Saved {name}.", name)),
+                FileEvent::Saved(name) => {
+                    self.notify_saved(ctx, &name);
+                    continue;
+                }
                 FileEvent::Failed(error) => Notice::error(error),
             });
         }

@@ -193,9 +193,10 @@ impl App {
         }
         let (extension, content) = match purpose {
             Purpose::File => ("png", report::png_of(&report::figure(shared)?)?),
-            Purpose::Report => {
-                ("html", report::report(shared, &mut panels.range, &panels.filling)?.into_bytes())
-            }
+            Purpose::Report => (
+                files::REPORT,
+                report::report(shared, &mut panels.range, &panels.filling)?.into_bytes(),
+            ),
             Purpose::Clipboard => {
                 ctx.copy_image(report::figure(shared)?);
                 self.notice = Some(Notice::info(tr("The picture is in the clipboard.")));
@@ -204,6 +205,26 @@ impl App {
         };
         self.files.save(ctx, &self.name_with_visit(extension), content);
         Ok(())
+    }
+
+    /// Shows that a file was saved; of a report without patient's number or side what is missing, with its fields in sight.
+    pub fn notify_saved(&mut self, ctx: &egui::Context, name: &str) {
+        let is_report = name.rsplit_once('.').is_some_and(|(_, end)| end == files::REPORT);
+        let missing = plan::missing_for_file(self.shared.session.scene()).filter(|_| is_report);
+        self.notice = Some(match missing {
+            None => Notice::info(tr!("Saved {name}.", name)),
+            Some(missing) => {
+                plan::show_visit(ctx);
+                self.screen.show_patient();
+                let place = tr(plan::FOR_FILE);
+                Notice::caution(tr!(
+                    "Saved {name}. {missing}: see “{place}”.",
+                    name,
+                    missing,
+                    place
+                ))
+            }
+        });
     }
 
     /// Copies the link of the plan, in a page.

@@ -46,6 +46,13 @@ impl Default for Screen {
     }
 }
 
+impl Screen {
+    /// Shows the tab of the patient on a narrow screen.
+    pub(super) fn show_patient(&mut self) {
+        self.narrow_tab = NarrowTab::Patient;
+    }
+}
+
 /// The windows over the screen.
 #[derive(Default)]
 pub(super) struct Windows {

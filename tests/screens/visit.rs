@@ -208,3 +208,42 @@ fn the_link_says_that_it_leaves_out_the_visit() {
     press(&mut harness, "Copy link");
     harness.get_by_label_contains("the whole plan, without the entries for the file.");
 }
+
+#[test]
+fn a_saved_report_says_what_of_number_and_side_is_missing_and_shows_their_fields() {
+    for size in [DESKTOP, egui::vec2(1024.0, 700.0), PHONE] {
+        let mut harness = app(size, |scene| {
+            *scene = flat_plan();
+            scene.solver.nodes_per_side = 33;
+        });
+        let save = |harness: &mut Harness<'static, App>, name: &str| {
+            let ctx = harness.ctx.clone();
+            harness.state_mut().notify_saved(&ctx, name);
+            harness.run_steps(12);
+            harness.state().notice_in_words()
+        };
+        // Plan and picture are as before.
+        assert_eq!(save(&mut harness, "a.png"), "Saved a.png.");
+        assert!(harness.query_by_label("Patient no.").is_none(), "{size}");
+        let words = save(&mut harness, "a.html");
+        let missing =
+            "Note: Saved a.html. No patient number and no side in it: see “For the file”.";
+        assert_eq!(words, missing);
+        let screen = harness.ctx.content_rect();
+        let number = harness.get_by_role_and_label(Role::TextInput, "Patient no.").rect();
+        let side = harness.get_by_role_and_label(Role::Button, "left").rect();
+        let notice = harness.get_by_label(missing).rect();
+        for rect in [number, side, notice] {
+            assert!(screen.contains_rect(rect), "{size}: {rect} in {screen}");
+        }
+        assert!(!notice.intersects(number) && !notice.intersects(side), "{size}");
+        press(&mut harness, "left");
+        let words = save(&mut harness, "a.html");
+        assert_eq!(words, "Note: Saved a.html. No patient number in it: see “For the file”.");
+        write(&mut harness, Role::TextInput, "Patient no.", "4711");
+        assert_eq!(save(&mut harness, "a.html"), "Saved a.html.");
+        press(&mut harness, "not said");
+        let words = save(&mut harness, "a.html");
+        assert_eq!(words, "Note: Saved a.html. No side in it: see “For the file”.");
+    }
+}

@@ -27,7 +27,9 @@ pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
 pub(super) use shape::{fullness, is_anatomical, shape_in_words};
-pub(super) use visit::{patient_in_words, set_fill_steps, visit_in_words};
+pub(super) use visit::{
+    FOR_FILE, missing_for_file, patient_in_words, set_fill_steps, show_visit, visit_in_words,
+};
 
 pub(super) use super::device::Device;
 use super::theme;

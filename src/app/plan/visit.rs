@@ -9,8 +9,10 @@ use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{characters_left, field_frame, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
 use crate::scene::{FillSchedule, Scene, Side, Visit};
-use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
+use eframe::egui::{self, Context, Id, Response, RichText, TextEdit, Ui, vec2};
 
+/// The name of the fold.
+pub(in crate::app) const FOR_FILE: &str = "For the file";
 /// The choice of no side, and the name of the date.
 const NOT_SAID: &str = "not said";
 const DATE_NAME: &str = "Date of the visit";
@@ -32,6 +34,31 @@ fn is_open(ui: &Ui) -> bool {
     ui.data(|data| data.get_temp(key())).unwrap_or_default()
 }
 
+/// Memory key of the wish to scroll to the fields.
+fn wish() -> Id {
+    Id::unique("for the file into view")
+}
+
+/// Opens the fold and scrolls to it with the next frame that has it.
+pub(in crate::app) fn show_visit(ctx: &Context) {
+    ctx.data_mut(|data| {
+        data.insert_temp(key(), true);
+        data.insert_temp(wish(), true);
+    });
+    ctx.request_repaint();
+}
+
+/// What a report needs and the scene does not state, patient's number and side, in words.
+pub(in crate::app) fn missing_for_file(scene: &Scene) -> Option<&'static str> {
+    let has_number = scene.visit.as_ref().is_some_and(|visit| !visit.reference.trim().is_empty());
+    match (has_number, scene.side) {
+        (false, None) => Some(tr("No patient number and no side in it")),
+        (false, Some(_)) => Some(tr("No patient number in it")),
+        (true, None) => Some(tr("No side in it")),
+        (true, Some(_)) => None,
+    }
+}
+
 /// The switch that shows the fields, off at first.
 pub(super) fn switch(ui: &mut Ui, hand: Hand) {
     let is_open = is_open(ui);
@@ -39,7 +66,7 @@ pub(super) fn switch(ui: &mut Ui, hand: Hand) {
         Hand::Mouse => 24.0,
         Hand::Finger => theme::TOUCH - 8.0,
     };
-    let switch = egui::Button::selectable(is_open, tr("For the file"))
+    let switch = egui::Button::selectable(is_open, tr(FOR_FILE))
         .frame(true)
         .frame_when_inactive(true)
         .min_size(vec2(0.0, height));
@@ -57,7 +84,11 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
         return None;
     }
     let (mut now, mut side) = (scene.visit.clone().unwrap_or_default(), scene.side);
-    let focused = fields(ui, &mut now, &mut side, hand);
+    let shown = ui.scope(|ui| fields(ui, &mut now, &mut side, hand));
+    if ui.data_mut(|data| data.remove_temp::<bool>(wish())).is_some() {
+        shown.response.scroll_to_me(Some(egui::Align::Center));
+    }
+    let focused = shown.inner;
     set(scene, now);
     scene.side = side;
     focused
