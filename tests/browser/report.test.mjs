@@ -121,8 +121,9 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const today = await page.evaluate(() => new Date().toLocaleDateString("sv"));
     assert.equal(picture.name, `implant-340ml-${today}.png`);
     assert.equal(picture.bytes.toString("latin1", 1, 4), "PNG");
-    // Of its own size, whatever the window.
-    assert.deepEqual([picture.bytes.readUInt32BE(16), picture.bytes.readUInt32BE(20)], [2000, 1680]);
+    // Of its own width, whatever the window, and as high as its texts need.
+    assert.equal(picture.bytes.readUInt32BE(16), 2000);
+    assert.ok(picture.bytes.readUInt32BE(20) > 1400, "a low picture");
 
     const report = await save(page, "Save report (HTML)…");
     assert.equal(report.name, `implant-340ml-${today}.html`);

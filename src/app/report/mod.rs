@@ -39,8 +39,6 @@ const POSE: (Vec2, f32) = (vec2(270.0, 260.0), 3.5);
 const PINS: (Vec2, f32) = (vec2(700.0, 180.0), 2.5);
 const SECTION: (Vec2, f32) = (vec2(860.0, 260.0), 2.0);
 const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
-/// Pixels per point of the composed picture.
-const FIGURE_SCALE: f32 = 2.0;
 
 /// The composed picture of the plan. Needs the graphics of a frame.
 ///
@@ -60,11 +58,13 @@ pub(super) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     };
     let envelope = uncertainty.envelope().unwrap_or_default();
     let shown = Shown { envelope, is_on_paper: true, ..Shown::new(session, options, practices) };
+    let has_picture = no_answer::has_picture(session);
+    let size = figure.size(device, has_picture);
     viewport.aside(|viewport| {
         let gl = viewport.graphics()?;
-        offscreen::picture(&gl, device, (figure::SIZE, FIGURE_SCALE), |ui| {
+        offscreen::picture(&gl, device, (size, figure::SCALE), |ui| {
             figure.show(ui, |ui| {
-                if no_answer::has_picture(session) {
+                if has_picture {
                     viewport.show(ui, shown);
                 }
             });

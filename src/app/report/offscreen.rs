@@ -2,7 +2,7 @@
 
 use crate::app::device::Device;
 use crate::app::theme;
-use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Theme, Ui, Vec2};
+use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Theme, Ui, Vec2, vec2};
 use eframe::egui_glow::Painter;
 use eframe::glow::{self, HasContext as _};
 use std::sync::Arc;
@@ -20,18 +20,7 @@ pub(super) fn picture(
     (size, scale): (Vec2, f32),
     mut add_contents: impl FnMut(&mut Ui),
 ) -> Result<ColorImage, String> {
-    // A context of its own: neither focus nor pointer of the window reach the contents.
-    let ctx = egui::Context::default();
-    theme::install(&ctx);
-    ctx.set_theme(Theme::Light);
-    device.note(&ctx);
-    let mut input = egui::RawInput {
-        screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size)),
-        ..egui::RawInput::default()
-    };
-    for viewport in input.viewports.values_mut() {
-        viewport.native_pixels_per_point = Some(scale);
-    }
+    let (ctx, input) = (context(device), input(size, scale));
     let mut run = || {
         ctx.run_ui(input.clone(), |ui| {
             let ground = ui.visuals().panel_fill;
@@ -52,6 +41,43 @@ pub(super) fn picture(
     });
     painter.destroy();
     image
+}
+
+/// Height that contents about a device take in a width \[points\].
+pub(super) fn height(
+    device: Device,
+    (width, scale): (f32, f32),
+    mut add_contents: impl FnMut(&mut Ui),
+) -> f32 {
+    /// More than any contents take \[points\].
+    const ROOM: f32 = 10_000.0;
+    let mut height = 0.0;
+    let mut output = context(device).run_ui(input(vec2(width, ROOM), scale), |ui| {
+        add_contents(ui);
+        height = ui.min_rect().height();
+    });
+    // Nothing is drawn.
+    output.textures_delta.clear();
+    height
+}
+
+/// A context of its own for contents about a device: neither focus nor pointer of the window reach them.
+pub(super) fn context(device: Device) -> egui::Context {
+    let ctx = egui::Context::default();
+    theme::install(&ctx);
+    ctx.set_theme(Theme::Light);
+    device.note(&ctx);
+    ctx
+}
+
+/// The input of a frame of a size \[points\] with `scale` pixels per point.
+pub(super) fn input(size: Vec2, scale: f32) -> egui::RawInput {
+    let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, size));
+    let mut input = egui::RawInput { screen_rect, ..egui::RawInput::default() };
+    for viewport in input.viewports.values_mut() {
+        viewport.native_pixels_per_point = Some(scale);
+    }
+    input
 }
 
 /// Objects of the graphics driver, deleted at the end, also where a later one is not created.
