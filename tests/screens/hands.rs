@@ -475,3 +475,28 @@ fn the_reading_of_the_ruler_keeps_off_that_of_the_kept_point() {
         harness.run();
     }
 }
+
+#[test]
+fn the_reading_of_the_ruler_covers_neither_of_its_ends() {
+    let mut harness = desktop();
+    let skin = on_skin(&harness);
+    for [a, b] in [
+        [vec2(-60.0, -2.0), vec2(20.0, 50.0)],
+        [vec2(20.0, 50.0), vec2(-60.0, -2.0)],
+        [vec2(-60.0, 30.0), vec2(20.0, -2.0)],
+    ] {
+        focus_picture(&mut harness);
+        harness.key_press(Key::R);
+        harness.run();
+        for end in [a, b] {
+            click(&mut harness, skin + end);
+        }
+        let ruler = harness.get_by_label_contains("Ruler: Straight").rect();
+        for end in [a, b] {
+            assert!(!ruler.expand(4.0).contains(skin + end), "{ruler} {}", skin + end);
+        }
+        assert!(picture(&harness).contains_rect(ruler), "{ruler}");
+        harness.key_press(Key::R);
+        harness.run();
+    }
+}

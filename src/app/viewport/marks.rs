@@ -16,7 +16,7 @@ use crate::view::place::{Place, SkinLine, along_skin};
 use crate::view::section::Section;
 use crate::view::subject::Subject;
 use eframe::egui::{
-    self, Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, vec2,
+    self, Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2, vec2,
 };
 use glam::{DVec3, Vec3};
 
@@ -24,6 +24,9 @@ use glam::{DVec3, Vec3};
 const PICK_WHILE_SOLVING: usize = 257;
 /// Distance within which a click is on a kept point \[points\].
 const SAME: f32 = 24.0;
+
+/// Radius of a marked point with its edge \[points\].
+const DOT: f32 = 6.0;
 
 /// What is marked on the tissue.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -211,7 +214,10 @@ impl Viewport {
         }
         let [Some(p), Some(q)] = measured.ends.map(|end| self.point(end, area)) else { return };
         painter.extend(Shape::dashed_line(&[p, q], Stroke::new(1.5, line.color), 5.0, 4.0));
-        let canvas = (painter, area, taken);
+        // The box covers no end.
+        let dots = [p, q].map(|end| Rect::from_center_size(end, Vec2::splat(2.0 * DOT)));
+        let taken = [taken, &dots].concat();
+        let canvas = (painter, area, &*taken);
         labelled_box(ui, canvas, (p.lerp(q, 0.5), tr("Ruler")), &measured.words());
     }
 }
@@ -336,16 +342,15 @@ fn ring(ui: &Ui, painter: &Painter, at: Pos2) {
 /// A marked point.
 fn dot(ui: &Ui, painter: &Painter, at: Pos2) {
     let palette = theme::palette(ui.visuals());
-    painter.circle(at, 5.0, palette.accent, Stroke::new(2.0, ui.visuals().panel_fill));
+    painter.circle(at, DOT - 1.0, palette.accent, Stroke::new(2.0, ui.visuals().panel_fill));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec2;
 
     fn at(x: f32) -> Click {
-        Click::At { place: Place { rest: Vec2::new(x, 0.0), depth: 0.0 }, is_skin: true }
+        Click::At { place: Place { rest: glam::vec2(x, 0.0), depth: 0.0 }, is_skin: true }
     }
 
     fn ends(marks: &Marks) -> usize {
@@ -369,7 +374,10 @@ mod tests {
         marks.click(at(9.0));
         marks.ruler = Some(Vec::new());
         marks.click(at(1.0));
-        marks.click(Click::At { place: Place { rest: Vec2::ZERO, depth: 0.5 }, is_skin: false });
+        marks.click(Click::At {
+            place: Place { rest: glam::Vec2::ZERO, depth: 0.5 },
+            is_skin: false,
+        });
         assert_eq!(ends(&marks), 1, "a point under the skin is no end");
         marks.click(at(2.0));
         assert_eq!(ends(&marks), 2);
