@@ -86,7 +86,7 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
     let (mut now, mut side) = (scene.visit.clone().unwrap_or_default(), scene.side);
     let shown = ui.scope(|ui| fields(ui, &mut now, &mut side, hand));
     if ui.data_mut(|data| data.remove_temp::<bool>(wish())).is_some() {
-        shown.response.scroll_to_me(Some(egui::Align::Center));
+        shown.response.scroll_to_me(None);
     }
     let focused = shown.inner;
     set(scene, now);
