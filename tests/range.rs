@@ -416,7 +416,7 @@ fn a_click_on_a_size_of_the_shelf_takes_exactly_that_size() {
     assert!((implant.size().unwrap().volume_ml() - 310.0).abs() < 1e-9);
     harness.get_by_label("Round · 310 cc");
     // Wider sizes do not count.
-    wait_for(&mut harness, "Largest of the shelf with practice's stretch: Round · ");
+    wait_for(&mut harness, "Largest of the shelf up to 12.3 cm with practice's stretch: Round · ");
     // The list takes a size too; the shelf is kept for the next start.
     harness.get_by_role_and_label(Role::Button, "Take High").click();
     harness.run_steps(2);

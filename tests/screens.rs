@@ -46,6 +46,8 @@ mod pictures;
 mod practice;
 #[path = "screens/research.rs"]
 mod research;
+#[path = "screens/shelf.rs"]
+mod shelf;
 #[path = "screens/side.rs"]
 mod side;
 #[path = "screens/sizes.rs"]

@@ -15,6 +15,8 @@ use eframe::egui::ThemePreference;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Task {
     OpenPlan,
+    /// A table of sizes, or any other table that the app reads.
+    OpenTable,
     SavePlan,
     SaveNumbers,
     SaveTable,
@@ -78,7 +80,6 @@ pub(super) enum Action {
     KeepValues(Place),
     /// A file by its name.
     Save(String, Vec<u8>),
-    OpenTable,
     /// The text of a table of sizes by its name.
     ReadShelf(String, String),
     Notify(Notice),

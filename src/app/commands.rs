@@ -58,6 +58,7 @@ pub(super) const LIST_KEY: Key = Key::K;
 pub(super) const PICTURE: &str = "Picture";
 const RANGE: &str = "Range of implants";
 
+const SHELF: &str = "The clinic's table of sizes (CSV); dropping the file does the same";
 const COMPOSED: &str = "Picture with title, plan, answers, legend, scale and date";
 const REPORT: &str = "One or two pages with pictures, plan, numbers, pins and limits, and the chart of the range once that is computed; prints on \
      paper";
@@ -70,8 +71,9 @@ const RESEARCH: &str = "What physics and developers need: the grid, all colours,
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
-pub(super) const COMMANDS: [Entry; 45] = [
+pub(super) const COMMANDS: [Entry; 46] = [
     keyed(Task::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
+    entry(Task::OpenTable, "Open shelf…", SHELF),
     keyed(Task::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Task::SaveNumbers, "Save numbers (JSON)…", ""),
     entry(Task::SaveTable, "Save numbers (CSV)…", TABLE),

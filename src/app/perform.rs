@@ -44,7 +44,6 @@ impl App {
             Action::ShowSection(plane) => self.shared.chosen_plane = Some(plane),
             Action::KeepValues(place) => self.shared.viewport.keep_values(place),
             Action::Save(name, content) => self.files.save(ctx, &name, content),
-            Action::OpenTable => self.files.open_table(ctx),
             Action::ReadShelf(name, text) => {
                 self.notice = self.read_table(&name, &text).or(self.notice.take());
             }
@@ -64,6 +63,7 @@ impl App {
         let Windows { palette, show_help, .. } = &mut self.windows;
         match task {
             Task::OpenPlan => self.files.open(ctx),
+            Task::OpenTable => self.files.open_table(ctx),
             Task::SavePlan => {
                 let text = session.document_json();
                 self.files.save(ctx, &self.name_with_visit("json"), text);

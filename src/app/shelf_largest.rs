@@ -1,13 +1,16 @@
 //! The largest size of the clinic's shelf that stays usual for the present patient, by name. Sizes wider than the plan do not
 //! count: the width is that of the breast.
 
+use super::action::Action;
 use super::practice::{Against, Practices};
-use super::range::{Sizes, with_size};
+use super::range::{Sizes, take_size, width_in_words, with_size};
 use super::studies::{Driver, Studies};
 use super::texts::{self, tr};
+use super::widgets::remark;
 use crate::clinical::ShelfSize;
 use crate::scene::Scene;
 use crate::study::{FirstUsual, MapSettings, size_in_words};
+use eframe::egui::{Link, RichText, Ui};
 
 /// Width above that of the plan that still counts as its width \[mm\].
 const ROUNDING_MM: f64 = 0.5;
@@ -18,8 +21,8 @@ pub(super) struct ShelfLargest {
     search: Driver<FirstUsual>,
     /// The plan and the revision of the shelf to which the search belongs.
     started: Option<(Scene, u64)>,
-    /// Names and plans of the search, in its order.
-    names: Vec<String>,
+    /// Sizes and plans of the search, in its order.
+    sizes: Vec<ShelfSize>,
     scenes: Vec<Scene>,
     /// What the stretches of the plans are compared with.
     against: Vec<Against>,
@@ -56,14 +59,14 @@ impl ShelfLargest {
         fitting.sort_by(|a, b| b.volume_ml().total_cmp(&a.volume_ml()));
         let mut base = Scene { insertion: 1.0, ..scene.clone() };
         MapSettings::default().apply(&mut base);
-        let plan = |size: &ShelfSize| Some((size.label().to_owned(), with_size(&base, size).ok()?));
-        let (names, scenes): (Vec<String>, Vec<Scene>) =
+        let plan = |size: &ShelfSize| Some((size.clone(), with_size(&base, size).ok()?));
+        let (fitting, scenes): (Vec<ShelfSize>, Vec<Scene>) =
             fitting.into_iter().filter_map(plan).unzip();
-        if (&names, &scenes) == (&self.names, &self.scenes) {
+        if (&fitting, &scenes) == (&self.sizes, &self.scenes) {
             return;
         }
         self.search.cancel(studies);
-        (self.names, self.scenes) = (names, scenes);
+        (self.sizes, self.scenes) = (fitting, scenes);
         (self.against, self.changes) = (Vec::new(), None);
     }
 
@@ -88,36 +91,76 @@ impl ShelfLargest {
         if self.against.contains(&Against::Waiting) { &self.scenes } else { &[] }
     }
 
-    /// The name of the size with its numbers, in words; empty while that is not known or without a shelf.
-    pub(super) fn words(&self) -> String {
-        let Some(search) = self.search.finished() else {
-            return String::new();
+    /// Shows the largest size in a sentence, which is a link that takes the size; nothing while that is not known or without a shelf.
+    pub(super) fn show(&self, ui: &mut Ui, scene: &mut Scene, actions: &mut Vec<Action>) {
+        let Some((search, (plan, _))) = self.search.finished().zip(self.started.as_ref()) else {
+            return;
         };
+        let largest = search.found().and_then(|k| self.sizes.get(k).zip(self.scenes.get(k)));
         let is_practice = self.against.iter().all(|against| against.practice().is_some());
-        match search.found() {
-            Some(k) => {
-                let size = self
-                    .scenes
-                    .get(k)
-                    .map(|scene| texts::shown(&size_in_words(scene)))
-                    .unwrap_or_default();
-                let name = self.names.get(k).map_or("", String::as_str);
-                match is_practice {
-                    true => tr!(
-                        "Largest of the shelf with practice's stretch: {name} ({size}).",
-                        name,
-                        size
-                    ),
-                    false => {
-                        tr!("Largest of the shelf that stays usual: {name} ({size}).", name, size)
-                    }
-                }
-            }
-            None if is_practice => {
-                tr("No size of the shelf up to this width has practice's stretch or less.")
-                    .to_owned()
-            }
-            None => tr("No size of the shelf up to this width stays usual.").to_owned(),
+        let words = words(2.0 * plan.implant.base_radius_mm, largest, is_practice);
+        let response = match largest {
+            Some(_) => ui.add(Link::new(RichText::new(words).small())),
+            None => remark(ui, words),
+        };
+        if let Some((size, _)) = largest.filter(|_| response.clicked()) {
+            take_size(size, scene, actions);
         }
+        response.on_hover_text(tr(
+            "No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
+             the shelf up to this width stays usual. A quick, coarse computation.",
+        ));
+    }
+}
+
+/// The largest size up to a width \[mm\] with its plan, in a sentence.
+fn words(width_mm: f64, largest: Option<(&ShelfSize, &Scene)>, is_practice: bool) -> String {
+    let width = width_in_words(width_mm);
+    let Some((size, plan)) = largest else {
+        return if is_practice {
+            tr!("No size of the shelf up to {width} has practice's stretch or less.", width)
+        } else {
+            tr!("No size of the shelf up to {width} stays usual.", width)
+        };
+    };
+    let (name, size) = (size.label(), texts::shown(&size_in_words(plan)));
+    if is_practice {
+        tr!(
+            "Largest of the shelf up to {width} with practice's stretch: {name} ({size}).",
+            width,
+            name,
+            size
+        )
+    } else {
+        tr!(
+            "Largest of the shelf up to {width} that stays usual: {name} ({size}).",
+            width,
+            name,
+            size
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::Shelf;
+
+    #[test]
+    fn the_sentence_says_up_to_which_width() {
+        let shelf = Shelf::from_csv("name;width_mm;volume_ml\nSR-275H;110;275").unwrap();
+        let size = &shelf.sizes()[0];
+        let plan = with_size(&Scene::opening(), size).unwrap();
+        let largest = Some((size, &plan));
+        assert_eq!(
+            [(largest, true), (largest, false), (None, true), (None, false)]
+                .map(|(largest, is_practice)| words(120.0, largest, is_practice)),
+            [
+                "Largest of the shelf up to 12 cm with practice's stretch: SR-275H · 275 cc (275 ml on 11 cm).",
+                "Largest of the shelf up to 12 cm that stays usual: SR-275H · 275 cc (275 ml on 11 cm).",
+                "No size of the shelf up to 12 cm has practice's stretch or less.",
+                "No size of the shelf up to 12 cm stays usual.",
+            ]
+        );
     }
 }

@@ -65,6 +65,7 @@ fn file_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     ui.menu_button(tr("File"), |ui| {
         for task in [
             Task::OpenPlan,
+            Task::OpenTable,
             Task::SavePlan,
             Task::SaveNumbers,
             Task::SaveTable,

@@ -138,7 +138,7 @@ impl App {
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
-        self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
+        self.panels.shelf_largest.show(ui, scene, &mut self.actions);
         self.edits.typing.0 = plan::patient(ui, scene, Hand::Mouse);
         plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
@@ -179,7 +179,7 @@ impl App {
                 self.largest_usual(ui);
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
-                self.panels.range.shelf_line(ui, self.panels.shelf_largest.words());
+                self.panels.shelf_largest.show(ui, scene, &mut self.actions);
             }
             NarrowTab::Patient => {
                 self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger);

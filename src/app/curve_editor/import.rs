@@ -1,6 +1,6 @@
 //! A tensile test as text, pasted or of a file: what was read in it, and its units where they were guessed.
 
-use crate::app::action::Action;
+use crate::app::action::{Action, Task};
 use crate::app::clipboard::Clipboard;
 use crate::app::texts::{self, tr};
 use crate::app::theme::SPACE;
@@ -79,7 +79,7 @@ impl Import {
         ui.horizontal(|ui| {
             let tip = tr("A tensile test: a table (CSV) with a strain and a stress in each row");
             if button_if(ui, true, tr("Open table…"), tr("Open table…"), tip) {
-                actions.push(Action::OpenTable);
+                actions.push(Action::Run(Task::OpenTable));
             }
             let tip = tr("Reads the table of the clipboard: a strain and a stress in each row");
             if button_if(ui, true, tr("Paste table"), tr("Paste table"), tip) {

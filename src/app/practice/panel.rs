@@ -1,7 +1,7 @@
 //! The rule of practice in words, and the buttons of its table.
 
 use super::{Against, Practices};
-use crate::app::action::Action;
+use crate::app::action::{Action, Task};
 use crate::app::device::Device;
 use crate::app::texts::tr;
 use crate::app::widgets::quantity::format_at_most;
@@ -122,7 +122,7 @@ impl Practices {
         }
         ui.horizontal_wrapped(|ui| {
             if ui.button(tr("Open practice table…")).on_hover_text(tr("A table (CSV) of your own rule; dropping the file does the same. Save the present one for its form")).clicked() {
-                actions.push(Action::OpenTable);
+                actions.push(Action::Run(Task::OpenTable));
             }
             if ui.button(tr("Save practice table")).clicked() {
                 let content = self.table().to_csv().into_bytes();

@@ -21,7 +21,7 @@ mod shelf_preview;
 
 pub(super) use page::within_text;
 pub(super) use plane::marks;
-pub(super) use shelf::{Sizes, with_size};
+pub(super) use shelf::{Sizes, take_size, width_in_words, with_size};
 
 use super::practice::Practices;
 use super::studies::{Driver, Studies};

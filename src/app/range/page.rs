@@ -1,6 +1,7 @@
 //! The page of the range of implants: switch, files, chart, captions, taking an implant.
 
 use super::chart::Taken;
+use super::shelf::take_size;
 use super::{Range, readout};
 use crate::app::action::{Action, Task};
 use crate::app::commands::entry_of;
@@ -267,7 +268,11 @@ impl Range {
         });
         match taken {
             Some(Taken::Point((i, j))) => self.take(i, j, scene, actions),
-            Some(Taken::Size(index)) => self.take_size(index, scene, actions),
+            Some(Taken::Size(index)) => {
+                if let Some(size) = self.sizes.shelf.sizes().get(index) {
+                    take_size(size, scene, actions);
+                }
+            }
             None => {}
         }
     }

@@ -4,7 +4,7 @@ use super::axes::Words;
 use super::plane::Plane;
 use super::shelf_preview::{Decision, Preview};
 use super::{Range, readout};
-use crate::app::action::Action;
+use crate::app::action::{Action, Task};
 use crate::app::messages::Notice;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
@@ -34,6 +34,8 @@ pub(in crate::app) struct Sizes {
     pasted: Option<String>,
     /// The table that is being looked at before it is taken.
     preview: Option<Preview>,
+    /// Is the list unfolded by the next frame?
+    unfolds: bool,
 }
 
 /// A size within the axes.
@@ -127,7 +129,7 @@ fn words(size: &ShelfSize) -> String {
     tr!(
         "{name}: width {width}, projection {projection}",
         name = size.label(),
-        width = Words::of(Parameter::BaseWidth).text(size.width_mm()),
+        width = width_in_words(size.width_mm()),
         projection = Words::of(Parameter::of(Field::Projection)).text(dome.projection_mm())
     )
 }
@@ -153,6 +155,22 @@ pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene
     Ok(scene)
 }
 
+/// Takes a size of the shelf: one step of the history, as an edit of the plan.
+pub(in crate::app) fn take_size(size: &ShelfSize, scene: &mut Scene, actions: &mut Vec<Action>) {
+    match with_size(scene, size) {
+        Ok(taken) => *scene = taken,
+        Err(reason) => {
+            let words = tr!("{name} was not taken. {reason}", name = size.name(), reason);
+            actions.push(Action::Notify(Notice::caution(words)));
+        }
+    }
+}
+
+/// A base width as the chart and the list have it, as "12 cm".
+pub(in crate::app) fn width_in_words(width_mm: f64) -> String {
+    Words::of(Parameter::BaseWidth).text(width_mm)
+}
+
 impl Range {
     /// The folded list of the shelf; returns the index of a size to take.
     pub(super) fn shelf_list(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<usize> {
@@ -160,7 +178,8 @@ impl Range {
         let title =
             if count == 0 { tr("Shelf").to_owned() } else { tr!("Shelf: {count} sizes", count) };
         let mut event = None;
-        egui::CollapsingHeader::new(title).id_salt("shelf").show(ui, |ui| {
+        let unfolds = std::mem::take(&mut self.sizes.unfolds).then_some(true);
+        egui::CollapsingHeader::new(title).id_salt("shelf").open(unfolds).show(ui, |ui| {
             self.shelf_buttons(ui, actions);
             if count == 0 {
                 remark(ui, tr("The sizes of your clinic from a table of the maker or your own (CSV): reference, width, projection, volume, \
@@ -218,7 +237,7 @@ impl Range {
                 .on_hover_text(tr("A table (CSV); dropping the file does the same"))
                 .clicked()
             {
-                actions.push(Action::OpenTable);
+                actions.push(Action::Run(Task::OpenTable));
             }
             if ui.button(tr("Paste table")).clicked() {
                 self.sizes.pasted = match self.sizes.pasted {
@@ -268,7 +287,7 @@ impl Range {
         self.sizes.preview.is_some()
     }
 
-    /// Shows the preview of a table; returns a notice once the table is taken.
+    /// Shows the preview of a table; once the table is taken, opens the page with the list and returns a notice.
     pub(in crate::app) fn shelf_preview(&mut self, ctx: &egui::Context) -> Option<Notice> {
         let preview = self.sizes.preview.as_mut()?;
         let decision = preview.show(ctx)?;
@@ -277,32 +296,11 @@ impl Range {
         let count = shelf.sizes().len();
         self.sizes.set(shelf);
         self.sizes.pasted = None;
+        (self.is_open, self.shows_more, self.sizes.unfolds) = (true, true, true);
         Some(Notice::info(tr!(
             "{count} sizes of {name} are on the shelf, on the page Range of implants.",
             count,
             name
         )))
-    }
-
-    /// Takes a size of the shelf: one step of the history, as an edit of the plan.
-    pub(super) fn take_size(&self, index: usize, scene: &mut Scene, actions: &mut Vec<Action>) {
-        let Some(size) = self.sizes.shelf.sizes().get(index) else { return };
-        match with_size(scene, size) {
-            Ok(taken) => *scene = taken,
-            Err(reason) => {
-                let words = tr!("{name} was not taken. {reason}", name = size.name(), reason);
-                actions.push(Action::Notify(Notice::caution(words)));
-            }
-        }
-    }
-
-    /// The `largest` size of the shelf that stays usual, in a line.
-    pub(in crate::app) fn shelf_line(&self, ui: &mut Ui, largest: String) {
-        if !largest.is_empty() {
-            remark(ui, largest).on_hover_text(
-                tr("No word of the cards is above usual for this size, this patient and this margin of the pocket; no larger size of \
-                 the shelf up to this width stays usual. A quick, coarse computation."),
-            );
-        }
     }
 }

@@ -1,0 +1,49 @@
+//! The clinic's shelf outside of its list: the menu, a table that was taken, the largest size in a sentence.
+
+use super::*;
+
+const SIZES: &str = "name;width_cm;volume_ml\nLow;11,5;200\nWide;13;300\n";
+
+#[test]
+fn the_menu_file_opens_the_shelf_and_a_taken_table_is_in_sight() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        press(&mut harness, "File");
+        harness.get_by_role_and_label(Role::Button, "Open shelf…");
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+        let file = Dropped { path: "sizes.csv".into(), text: SIZES.to_owned() };
+        harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
+        wait_until(&mut harness, "the preview", |harness| text_with(harness, "Take 2 sizes"));
+        assert_eq!(text_with(&harness, "Shelf: 2 sizes"), None);
+        harness.get_by_role_and_label(Role::Button, "Take 2 sizes").click();
+        wait_until(&mut harness, "the list", |harness| text_with(harness, "Take Low"));
+        harness.get_by_label("Shelf: 2 sizes");
+        // The user may fold it.
+        harness.run_steps(20);
+        unfold(&mut harness, "Shelf: 2 sizes");
+        harness.run_steps(20);
+        assert_eq!(text_with(&harness, "Take Low"), None);
+    }
+}
+
+#[test]
+fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    harness.state_mut().restore_shelf(SIZES);
+    let words = "Largest of the shelf up to 12 cm with practice's stretch: Low · 200 cc (200 ml on 11.5 cm).";
+    wait_until(&mut harness, "the size", |harness| text_with(harness, words));
+    let before = harness.state().session().scene().clone();
+    let link = harness.get_by_role_and_label(Role::Link, words);
+    // The lines of a remark.
+    let line = harness.ctx.global_style().text_styles[&egui::TextStyle::Small].size;
+    assert!(link.rect().height() < 3.0 * line, "{}", link.rect());
+    link.click();
+    harness.run_steps(2);
+    settle(&mut harness);
+    let scene = harness.state().session().scene();
+    assert_eq!((scene.implant.base_radius_mm, &*scene.implant_reference), (57.5, "Low · 200 cc"));
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene(), &before);
+}
