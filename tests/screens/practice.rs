@@ -122,3 +122,22 @@ fn a_plan_that_practice_does_not_know_has_the_words_of_its_skin_and_the_reason()
         assert_eq!(text_with(&harness, words), None);
     }
 }
+
+#[test]
+fn a_legend_has_no_words_before_practice_is_known() {
+    for (page, unit) in [("Stretch", "Skin stretch [%]"), ("Range of implants", "%")] {
+        let app = App::new(&egui::Context::default(), None, flat_plan(), beside_window).unwrap();
+        let mut harness = window(DESKTOP, 400, app);
+        harness.get_by_role_and_label(Role::Button, page).click();
+        let mut has_waited = false;
+        wait_until(&mut harness, "a word of practice", |harness| {
+            let texts = painted_texts(harness);
+            let has = |text: &str| texts.iter().any(|painted| painted == text);
+            // A word of the skin by itself.
+            assert!(!has("high"), "{page}: {texts:?}");
+            has_waited |= has(unit) && !has("above practice");
+            has("above practice").then_some(())
+        });
+        assert!(has_waited, "{page}");
+    }
+}

@@ -121,6 +121,11 @@ impl Practices {
         practice.map_or(SkinLimits::of_skin(knee), SkinLimits::Practice)
     }
 
+    /// Are the words of [`Self::skin`] those of the plan? Before practice of any plan is known, the limits of the skin by itself stand for it.
+    pub(super) fn has_words(&self, plan: &Scene) -> bool {
+        self.last.is_some() || self.against(plan) != Against::Waiting
+    }
+
     /// The volume that practice takes for a plan, with its parts; `None` for a plan that is not compared with practice.
     pub(super) fn volume(&self, plan: &Scene) -> Option<PracticeVolume> {
         if matches!(self.against(plan), Against::Skin(_)) {

@@ -78,18 +78,19 @@ impl Chart {
     }
 
     /// Shows a map in the remaining space; returns the point of an implant to take. `revision` counts the changes of the
-    /// map's values.
+    /// map's values; `is_pending`: the words of the stretch are not known yet.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
-        map: JudgedMap<'_>,
+        (map, is_pending): (JudgedMap<'_>, bool),
         quantity: Quantity,
         revision: u64,
         (pins, sizes): (&Pins, &Sizes),
     ) -> Option<Taken> {
         let size = ui.available_size().max(vec2(160.0, 120.0));
         let (_, area) = ui.allocate_space(size);
-        self.update(ui, map, quantity, revision);
+        let has_words = !is_pending || quantity != Quantity::GreatestStrain;
+        self.update(ui, (map, has_words), quantity, revision);
         let drawn = self.drawn.as_ref()?;
         let legend = legend_width(ui, &drawn.scale, area.width());
         let rect = Rect::from_min_max(area.min + vec2(LEFT, TOP), area.max - vec2(legend, BOTTOM));
@@ -112,7 +113,13 @@ impl Chart {
     }
 
     /// Draws texture and lines anew after a change of values or colours.
-    fn update(&mut self, ui: &Ui, map: JudgedMap<'_>, quantity: Quantity, revision: u64) {
+    fn update(
+        &mut self,
+        ui: &Ui,
+        (map, has_words): (JudgedMap<'_>, bool),
+        quantity: Quantity,
+        revision: u64,
+    ) {
         let key = (revision, quantity, ui.visuals().dark_mode);
         if self.drawn.as_ref().is_some_and(|drawn| drawn.key == key) {
             return;
@@ -137,6 +144,7 @@ impl Chart {
             return;
         }
         let scale = Scale::new(quantity, map.limits(quantity), range);
+        let scale = if has_words { scale } else { scale.without_words() };
         let texture = (map.axes().len() == 2).then(|| {
             let stripes = theme::palette(ui.visuals()).edge;
             let image: ColorImage = picture(map, quantity, &scale, stripes);
@@ -164,7 +172,7 @@ impl Chart {
             scale,
             volumes: volumes.into_iter().map(volume).collect(),
             sizes: map.typical_sizes(),
-            areas: areas(map, quantity),
+            areas: if has_words { areas(map, quantity) } else { Vec::new() },
         });
     }
 

@@ -26,6 +26,8 @@ pub(super) struct Scale {
     pub(super) unit: &'static str,
     factor: f64,
     quantity: Quantity,
+    /// Are the limits those of the words?
+    has_words: bool,
 }
 
 impl Scale {
@@ -55,7 +57,12 @@ impl Scale {
             (None, None) => (0.0, 1.0),
         };
         let most = limits.as_ref().map_or(ends.1, |(limits, to_limits)| end(limits) / to_limits);
-        Self { ends, most, limits, unit, factor, quantity }
+        Self { ends, most, limits, unit, factor, quantity, has_words: true }
+    }
+
+    /// The scale with its numbers alone: its limits stand for those of practice, which are not known yet.
+    pub(super) fn without_words(self) -> Self {
+        Self { has_words: false, ..self }
     }
 
     /// Colour of a value \[unit of the quantity\].
@@ -120,9 +127,18 @@ impl Scale {
         }
     }
 
+    /// The words for which the legend keeps room before they are known: those of practice.
+    pub(super) fn words_to_come(&self) -> &'static [&'static str] {
+        match self.quantity {
+            Quantity::GreatestStrain => &["below practice", "as practice", "above practice"],
+            _ => &[],
+        }
+    }
+
     /// Words at the middle of their bands, as far as these are shown.
     pub(super) fn words(&self) -> Vec<(f64, &'static str)> {
-        let Some((limits, to_limits)) = &self.limits else { return Vec::new() };
+        let limits = self.limits.as_ref().filter(|_| self.has_words);
+        let Some((limits, to_limits)) = limits else { return Vec::new() };
         let mut from = self.ends.0;
         let word = |band: &Band| {
             let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits).min(self.ends.1);
@@ -260,6 +276,8 @@ mod tests {
         let strained = scale_of_range(Quantity::GreatestStrain, Some((0.3, 0.45)));
         assert_eq!((strained.ends, strained.words()), ((25.0, 50.0), vec![(37.5, "high")]));
         assert_eq!(strained.color(0.3), scale.color(0.3));
+        let waiting = strained.without_words();
+        assert_eq!((waiting.marks().len(), waiting.words().len()), (2, 0));
         let cover = scale_of_range(Quantity::LeastCoverMm, Some((3.0, 9.0)));
         assert_eq!((cover.ends, cover.words().len()), ((3.0, 9.0), 0));
         assert_ne!(cover.color(3.0), cover.color(9.0));

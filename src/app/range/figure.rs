@@ -65,8 +65,9 @@ impl Range {
 impl ReportChart<'_> {
     /// Shows the chart in the remaining space.
     pub(in crate::app) fn show(&mut self, ui: &mut Ui) {
-        let Range { pins, sizes, quantity, revision, .. } = self.range;
+        let Range { pins, sizes, quantity, revision, practice, .. } = self.range;
         if let Some(map) = self.range.judged() {
+            let map = (map, practice.is_pending());
             self.chart.show(ui, map, *quantity, *revision, (pins, sizes));
         }
     }

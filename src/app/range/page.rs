@@ -262,7 +262,7 @@ impl Range {
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
             let Self { map, practice, chart, quantity, revision, pins, sizes, .. } = self;
             if let Some(map) = map.study() {
-                let map = JudgedMap { map, practice: practice.found() };
+                let map = (JudgedMap { map, practice: practice.found() }, practice.is_pending());
                 taken = chart.show(ui, map, *quantity, *revision, (pins, sizes)).or(taken);
             }
         });

@@ -320,14 +320,15 @@ const MOST_LEGEND: f32 = 0.27;
 
 /// Width of the legend of a chart of a width \[points\].
 pub(super) fn legend_width(ui: &Ui, scale: &Scale, width: f32) -> f32 {
-    let of_word = |(_, word): (f64, &str)| {
+    let of_word = |word: &str| {
         let color = ui.visuals().text_color();
         ui.painter().layout_no_wrap(word.to_owned(), small(ui), color).size().x
     };
-    let words = scale.words().into_iter().map(of_word).fold(0.0, f32::max);
+    let words = scale.words().into_iter().map(|(_, word)| of_word(word)).fold(0.0, f32::max);
+    let to_come = scale.words_to_come().iter().map(|word| of_word(tr(word))).fold(0.0, f32::max);
     let numbers = if scale.is_practice() { 0.0 } else { NUMBERS };
     let least = if width < NARROW_CHART { LEGEND.1 } else { LEGEND.0 };
-    (BEFORE_TEXTS + numbers + words + 1.0).min(MOST_LEGEND * width).max(least)
+    (BEFORE_TEXTS + (numbers + words).max(to_come) + 1.0).min(MOST_LEGEND * width).max(least)
 }
 
 /// Draws the bar of colours with numbers and words, whole ones only.

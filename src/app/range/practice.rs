@@ -18,7 +18,7 @@ pub(super) struct ChartPractice {
 }
 
 impl ChartPractice {
-    /// Follows a map, once a frame; returns whether practice has changed. `starts` counts the starts and moves of maps.
+    /// Follows a map, once a frame; returns whether practice has changed, or is known or waited for anew. `starts` counts the starts and moves of maps.
     pub(super) fn follow(&mut self, map: Option<&Map>, starts: u64, practices: &Practices) -> bool {
         let Some(map) = map else { return false };
         let key = (starts, practices.changes());
@@ -32,7 +32,8 @@ impl ChartPractice {
             self.plans = along.map_or_else(Vec::new, |along| plans(map, along));
         }
         let against: Vec<Against> = self.plans.iter().map(|plan| practices.against(plan)).collect();
-        self.is_pending = against.contains(&Against::Waiting);
+        let was_pending =
+            std::mem::replace(&mut self.is_pending, against.contains(&Against::Waiting));
         let found = match against.split_first() {
             Some((Against::Practice(plan), points)) if !self.is_pending => {
                 let points = points.iter().map(|against| against.practice()).collect();
@@ -40,7 +41,7 @@ impl ChartPractice {
             }
             _ => None,
         };
-        let is_other = self.found != found;
+        let is_other = self.found != found || self.is_pending != was_pending;
         self.found = found;
         is_other
     }

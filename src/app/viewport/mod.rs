@@ -20,12 +20,13 @@ pub(crate) use overlay::{lower_edge, pointer_box, scale_bar};
 use super::practice::Practices;
 use super::widgets::{arrow_keys, keep_press};
 use crate::app::texts::tr;
+use crate::scene::Scene;
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::body::Body;
 use crate::view::camera::{Ball, Camera, Standing, View};
-use crate::view::color::{Colouring, Quantity, Rgb};
+use crate::view::color::{Colouring, Quantity, Rgb, Scale};
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{Between, LastAnswer, Subject};
@@ -40,6 +41,7 @@ use glam::{Vec2, Vec3};
 use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
 
@@ -93,6 +95,14 @@ impl<'a> Shown<'a> {
 fn colouring(subject: &impl Subject, quantity: Quantity, practices: &Practices) -> Colouring {
     let skin = practices.skin(subject.scene(), subject.problem().skin_knee());
     Colouring { quantity, skin }
+}
+
+/// The scale of a plan's legend, without words while they are not known.
+fn of_legend<'a>(scale: &'a Scale, plan: &Scene, practices: &Practices) -> Cow<'a, Scale> {
+    match practices.has_words(plan) {
+        true => Cow::Borrowed(scale),
+        false => Cow::Owned(Scale { words: Vec::new(), ..scale.clone() }),
+    }
 }
 
 /// The 3-D view with its camera.
@@ -305,7 +315,10 @@ impl Viewport {
         let free = area.with_min_y(area.top() + bar);
         let scale = scale.filter(|_| !self.picture.body.is_empty());
         let bar = scale_bar(ui, &painter, area, self.points_per_mm(area));
-        let legend = |scale| overlay::legend(ui, &painter, free, bar, scale);
+        let legend = |scale| {
+            let scale = of_legend(scale, session.scene(), practices);
+            overlay::legend(ui, &painter, free, bar, &scale)
+        };
         let taken = [scale.map_or(Rect::NOTHING, legend), bar];
         let (right, up) = self.camera.right_and_up();
         let words = directions::words(right, up, options.torso);

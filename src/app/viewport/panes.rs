@@ -1,7 +1,7 @@
 //! Pictures of the current scene and of the pins side by side, with one camera, each skin in the colours of its limits.
 
 use super::marks::Marked;
-use super::{CURRENT, Drawn, Shown, Viewport, colouring, overlay, section_of};
+use super::{CURRENT, Drawn, Shown, Viewport, colouring, of_legend, overlay, section_of};
 use crate::app::differing;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
@@ -16,6 +16,7 @@ use crate::view::side_by_side::{Colours, Limited};
 use crate::view::subject::{PinnedShape, Subject};
 use crate::view::wall;
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Space between two pictures \[points\].
@@ -104,6 +105,7 @@ impl Viewport {
             words if words.is_empty() => title,
             words => format!("{title}\n{words}"),
         };
+        let legend = |scale, plan: &Scene| of_legend(scale, plan, practices);
         let mut clicked = None;
         for ((pane, shape), response) in self.panes.iter().zip(&pins).zip(&responses) {
             self.camera.mirror(shape.scene().is_right());
@@ -120,7 +122,8 @@ impl Viewport {
             self.draw(ui, &painter, area, drawn);
             overlay::caption(ui, &painter, area, &caption(title(shape.pin), shape.scene()));
             if colours == Colours::Own(None) {
-                own_legend(ui, &painter, area, &pane.picture);
+                let scale = pane.picture.scale.as_ref();
+                own_legend(ui, &painter, area, scale.map(|scale| legend(scale, shape.scene())));
             }
             let marked = Marked { picture: &pane.picture, subject: shape, section, taken: &[] };
             clicked = clicked.or(self.show_marks(ui, response, &marked));
@@ -146,9 +149,18 @@ impl Viewport {
         match &colours {
             Colours::Common(Some(scale)) | Colours::Own(Some(scale)) => {
                 let strip = area.with_min_y(area.top() + bar);
-                overlay::strip(ui, &ui.painter_at(strip), strip, scale);
+                let scale = legend(scale, session.scene());
+                overlay::strip(ui, &ui.painter_at(strip), strip, &scale);
             }
-            Colours::Own(None) => own_legend(ui, &painter, own_area, &self.picture),
+            Colours::Own(None) => {
+                let scale = self.picture.scale.as_ref();
+                own_legend(
+                    ui,
+                    &painter,
+                    own_area,
+                    scale.map(|scale| legend(scale, session.scene())),
+                );
+            }
             Colours::Common(None) => {}
         }
         let bar = overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
@@ -237,9 +249,9 @@ fn range_of(scale: Option<&Scale>) -> [f32; 2] {
 }
 
 /// Draws the legend of one picture of several, below its caption.
-fn own_legend(ui: &Ui, painter: &egui::Painter, area: Rect, picture: &Picture) {
-    if let Some(scale) = &picture.scale {
-        overlay::strip(ui, painter, area.with_min_y(area.top() + overlay::CAPTION), scale);
+fn own_legend(ui: &Ui, painter: &egui::Painter, area: Rect, scale: Option<Cow<'_, Scale>>) {
+    if let Some(scale) = scale {
+        overlay::strip(ui, painter, area.with_min_y(area.top() + overlay::CAPTION), &scale);
     }
 }
 
