@@ -139,7 +139,7 @@ impl App {
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
-        self.edits.typing.0 = plan::patient(ui, scene, Hand::Mouse);
+        self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
         plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
         plan::pocket(ui, scene, Hand::Mouse);
         self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
@@ -182,7 +182,8 @@ impl App {
                 self.panels.shelf_largest.show(ui, scene, &mut self.actions);
             }
             NarrowTab::Patient => {
-                self.edits.typing.0 = plan::patient(ui, scene, Hand::Finger);
+                self.edits.typing.0 =
+                    plan::patient(ui, scene, &self.shared.practices, Hand::Finger);
                 plan::practice(ui, scene, &self.shared.practices, Hand::Finger);
                 self.tissue(ui, scene, Hand::Finger);
             }

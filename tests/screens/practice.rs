@@ -5,6 +5,9 @@ use super::*;
 /// A table of one rule: 100 ml more than the built-in one for 12 cm.
 const TABLE: &str = "measure;is;value;unit;volume_ml;source\nbase width;at;11;cm;350;our clinic\nbase width;at;13;cm;450;\nfold;above;9,5;cm;30;\n";
 
+/// The switch of the measured base of the breast.
+const BASE: &str = "Breast base measured";
+
 /// Drops a table, and waits for the notice, which fades.
 fn drop_table(harness: &mut Harness<'static, App>, text: &str, notice: &str) {
     let file = Dropped { path: "rule.csv".into(), text: text.to_owned() };
@@ -77,8 +80,11 @@ fn measurements_correct_the_volume_that_practice_takes() {
 #[test]
 fn the_measured_base_of_the_breast_keeps_practices_volume_while_the_implant_gets_narrower() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
-    unfold(&mut harness, "Practice takes 300 ml");
-    harness.get_by_label("Breast base measured").click();
+    // Among the patient's measurements, with the fold of practice closed.
+    let bottom = |label| harness.get_by_label(label).rect().bottom();
+    let (base, pinch) = (bottom(BASE), bottom("Pinch"));
+    assert!(bottom("Patient") < base && base < pinch && pinch < base + 40.0, "{base} {pinch}");
+    harness.get_by_label(BASE).click();
     harness.run();
     harness.get_by_label("Practice takes 300 ml");
     type_into(&mut harness, "Breast base (cm)", "13");
@@ -91,9 +97,26 @@ fn the_measured_base_of_the_breast_keeps_practices_volume_while_the_implant_gets
         words.starts_with("11 cm: practice takes 325 ± 30 ml for a base of 13 cm; "),
         "{words}"
     );
-    harness.get_by_label("Breast base measured").click();
+    harness.get_by_label(BASE).click();
     harness.run();
     harness.get_by_label("Practice takes 250 ml");
+    // A measured pull has the base in its own row.
+    press(&mut harness, "pull…");
+    assert_eq!(harness.query_all_by_label(BASE).count(), 0);
+    let rows = harness.query_all_by_role_and_label(Role::SpinButton, "Breast base (cm)");
+    assert_eq!(rows.count(), 1);
+}
+
+#[test]
+fn a_plan_without_practice_has_no_base_of_the_breast_but_a_measured_one() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    harness.get_by_label(BASE).click();
+    harness.run();
+    press(&mut harness, "expander");
+    settle(&mut harness);
+    harness.get_by_label(BASE).click();
+    harness.run();
+    assert_eq!(harness.query_all_by_label(BASE).count(), 0);
 }
 
 #[test]

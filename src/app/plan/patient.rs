@@ -1,21 +1,29 @@
-//! What was measured on the patient, pinch, skin and chest, and what the measurements become.
+//! What was measured on the patient, base of the breast, pinch, skin and chest, and what the measurements become.
 
 use super::{Hand, chest, chip, chips, cm, mm, row, title, visit};
+use crate::app::practice::Practices;
 use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Field, Scene};
+use crate::study::breast_width_mm;
 use eframe::egui::{Id, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
 const USUAL_PULL_MM: f64 = 25.0;
 
-/// Shows pinch, skin and chest, and the entries for the file. Returns the text field with the focus.
-pub(in crate::app) fn patient(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
+/// Shows base of the breast, pinch, skin and chest, and the entries for the file. Returns the text field with the focus.
+pub(in crate::app) fn patient(
+    ui: &mut Ui,
+    scene: &mut Scene,
+    practices: &Practices,
+    hand: Hand,
+) -> Option<Id> {
     title(ui, tr("Patient"), |ui| visit::switch(ui, hand));
     let before = measured(scene);
     let mut now = before;
+    base(ui, scene, practices, &mut now, hand);
     pinch(ui, scene, &mut now, hand);
     thickness(ui, scene);
     skin(ui, scene, &mut now, hand);
@@ -36,6 +44,38 @@ pub(super) fn measured(scene: &Scene) -> Measurements {
 pub(super) fn measure(scene: &mut Scene, measured: Measurements) {
     // The controls allow the ranges of the measurements only; otherwise the scene is unchanged.
     let _ = scene.apply_patient(measured);
+}
+
+/// The measured base of the breast, of a plan that is compared with practice or has the measurement. A measured pull has it among its
+/// own controls.
+fn base(
+    ui: &mut Ui,
+    scene: &Scene,
+    practices: &Practices,
+    measured: &mut Measurements,
+    hand: Hand,
+) {
+    let is_of_use = practices.volume(scene).is_some() || measured.base_width_mm.is_some();
+    if measured.skin_pull_mm.is_some() || !is_of_use {
+        return;
+    }
+    let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);
+    let mut is_measured = measured.base_width_mm.is_some();
+    let check = ui.checkbox(&mut is_measured, tr("Breast base measured"));
+    if check
+        .on_hover_text(tr("Else practice's volume is that of a breast as wide as the implant"))
+        .changed()
+    {
+        let (least, most) = limits::MEASURED_WIDTH_MM;
+        measured.base_width_mm = is_measured.then(|| breast_width_mm(scene).clamp(least, most));
+    }
+    if let Some(width) = measured.base_width_mm {
+        let mut width = cm(width);
+        let control = Control { reset: 12.0, ..control };
+        if row(ui, hand, control, &mut width, (0.0, |_: &mut Ui| {})).is_changed {
+            measured.base_width_mm = Some(mm(width));
+        }
+    }
 }
 
 fn pinch(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {

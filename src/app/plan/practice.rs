@@ -1,5 +1,5 @@
-//! The volume that practice takes, and what it needs beside the pull: the base of the breast, how much of the envelope the breast
-//! fills, and the nipple–fold distance.
+//! The volume that practice takes, and what corrects it beside the pull: how much of the envelope the breast fills, and the
+//! nipple–fold distance. The base of the breast is among the measurements of the patient.
 
 use super::{Hand, chip, chips, cm, mm, patient, row};
 use crate::app::practice::{Practices, rule_in_short};
@@ -7,8 +7,7 @@ use crate::app::texts::tr;
 use crate::app::widgets::quantity::Kind;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{EnvelopeFill, Measurements, limits};
-use crate::scene::{Field, Scene};
-use crate::study::breast_width_mm;
+use crate::scene::Scene;
 use eframe::egui::{self, Ui};
 
 /// Distance of a new measurement \[mm\].
@@ -25,7 +24,6 @@ pub(in crate::app) fn practice(ui: &mut Ui, scene: &mut Scene, practices: &Pract
         remark(ui, rule_in_short(practices, scene).trim_end());
         let before = patient::measured(scene);
         let mut now = before;
-        base(ui, scene, &mut now, hand);
         remark(ui, tr("The present breast fills the stretched skin"));
         chips(ui, |ui| {
             let none = tr("not said");
@@ -53,30 +51,6 @@ pub(in crate::app) fn practice(ui: &mut Ui, scene: &mut Scene, practices: &Pract
             patient::measure(scene, now);
         }
     });
-}
-
-/// The measured base of the breast. A measured pull has it among its own controls.
-fn base(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
-    if measured.skin_pull_mm.is_some() {
-        return;
-    }
-    let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);
-    let mut is_measured = measured.base_width_mm.is_some();
-    let check = ui.checkbox(&mut is_measured, tr("Breast base measured"));
-    if check
-        .on_hover_text(tr("Else practice's volume is that of a breast as wide as the implant"))
-        .changed()
-    {
-        let (least, most) = limits::MEASURED_WIDTH_MM;
-        measured.base_width_mm = is_measured.then(|| breast_width_mm(scene).clamp(least, most));
-    }
-    if let Some(width) = measured.base_width_mm {
-        let mut width = cm(width);
-        let control = Control { reset: 12.0, ..control };
-        if row(ui, hand, control, &mut width, (0.0, |_: &mut Ui| {})).is_changed {
-            measured.base_width_mm = Some(mm(width));
-        }
-    }
 }
 
 fn fold(ui: &mut Ui, measured: &mut Measurements, hand: Hand) {
