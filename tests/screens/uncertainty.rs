@@ -167,6 +167,18 @@ fn the_word_of_a_sampled_patient_is_that_against_practice_in_its_own_tissue() {
         let tenths = 10.0 * count as f64 / 16.0;
         assert!((stated.unwrap_or(0) as f64 - tenths).abs() < 1.0, "{shares}: {count} {word}");
     }
+    // The card says so, and only that of the stretch.
+    let own_tissue = "Each of them is compared with practice's volume in their own tissue";
+    for (card, is_of_practice) in [("Skin stretch", true), ("Cover over implant", false)] {
+        let at = harness.get_by_label(card).rect().center() + egui::vec2(0.0, 60.0);
+        harness.hover_at(at);
+        // The tooltip of the previous card goes.
+        harness.step();
+        harness.step();
+        let patients = "Such patients: 16 computed ones";
+        let words = wait_until(&mut harness, "the tooltip", |harness| text_with(harness, patients));
+        assert_eq!(words.contains(own_tissue), is_of_practice, "{words}");
+    }
 }
 
 #[test]

@@ -165,6 +165,8 @@ pub(super) struct Card {
     pub(super) no_verdict: &'static str,
     /// Numbers of sampled patients by their words, in a line, which takes the place of the other one once the patients are solved.
     pub(super) shares: Option<String>,
+    /// Are these the words against practice, each in the tissue of a patient?
+    pub(super) is_of_practice: bool,
     pub(super) line: String,
     /// The value on the bar.
     pub(super) value: Option<f64>,
@@ -323,6 +325,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
             (Against::Practice(_), _) => sampled.shares_of_practice(),
             (Against::Waiting, _) => None,
         },
+        is_of_practice: of_practice.is_some(),
         line,
         value: answer.strain.map(|strain| factor * strain),
         range: if is_reserve { sampled.range(Quantity::SkinReserveUsed) } else { range },
@@ -350,6 +353,7 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> 
         shares: sampled.shares(Quantity::LeastCoverMm, |mm| {
             bands::cover(mm).map_or((0, tr("not thin")), in_words)
         }),
+        is_of_practice: false,
         line,
         value: answer.cover,
         range: sampled.range(Quantity::LeastCoverMm),
@@ -377,6 +381,7 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
         verdict: word,
         no_verdict: "",
         shares: sampled.shares(Quantity::GreatestPressureMmhg, pressure_verdict),
+        is_of_practice: false,
         line,
         value: most,
         range: sampled.range(Quantity::GreatestPressureMmhg),

@@ -6,7 +6,7 @@ use super::text_of;
 use crate::app::device::Device;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
-use crate::app::uncertainty::{Findings, without_answer};
+use crate::app::uncertainty::{FEW, Findings, without_answer};
 use crate::measure::bands;
 use crate::view::color;
 use eframe::egui::{
@@ -57,10 +57,29 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
             tooltip
         );
         let line = card.shares.as_ref().map(|_| card.line.clone());
-        let further = [line, without_answer(findings)].into_iter().flatten();
+        let patients = card.shares.as_ref().map(|_| such_patients(card, findings));
+        let further = [line, patients, without_answer(findings)].into_iter().flatten();
         tooltip = further.chain([tooltip]).collect::<Vec<_>>().join("\n");
     }
     response.on_hover_text(Device::of(ui.ctx()).words(&tooltip));
+}
+
+/// Who the patients of a card's line are, and what their words are against.
+fn such_patients(card: &Card, findings: &Findings) -> String {
+    let count = if card.is_of_practice { FEW } else { findings.solved() };
+    let who = tr!(
+        "Such patients: {count} computed ones, with the spread of what is not known about a patient.",
+        count
+    );
+    match card.is_of_practice {
+        true => format!(
+            "{who} {}",
+            tr(
+                "Each of them is compared with practice's volume in their own tissue, not in that of this plan."
+            )
+        ),
+        false => who,
+    }
 }
 
 /// Shows the word of a band with its level, as one to four strokes: colour is not the only sign.
