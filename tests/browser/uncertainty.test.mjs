@@ -28,11 +28,12 @@ async function press(page, name) {
   await harness.drawn(page);
 }
 
-/** Opens the fold, reduces the samples and switches the section on by the keyboard. */
+/** Opens the fold, switches the section on and reduces the samples by the keyboard. */
 async function showUnknown(page) {
   await press(page, "Uncertainty");
-  await typeInto(page, "Sampled patients", String(SAMPLES));
   await press(page, SWITCH);
+  await press(page, "What is varied");
+  await typeInto(page, "Sampled patients", String(SAMPLES));
 }
 
 /** Waits until all patients are sampled; the sentence of the summary. */

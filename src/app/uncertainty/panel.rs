@@ -1,4 +1,4 @@
-//! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement.
+//! The section of the answer: switch, progress, what matters most, scenarios of the method of measurement; then what is varied.
 
 use super::{Findings, Uncertainty, chart, has_answer};
 use crate::app::research;
@@ -37,12 +37,24 @@ impl Uncertainty {
                 if !self.all.findings.is_empty() {
                     self.bands(ui, session);
                 }
+                self.varied(ui, session);
+            } else {
+                remark(ui, tr("The range of every number over what is not known about a patient, and which of it matters most. It takes some seconds."));
             }
             ui.add_space(SPACE_SMALL);
-            ui.label(RichText::new(tr("What is not known")).strong());
-            self.choices.show(ui, session.scene());
-            remark(ui, tr(INDEPENDENT));
-            ui.add_space(SPACE_SMALL);
+        });
+    }
+
+    /// The spreads and the samples, a closed fold at first.
+    fn varied(&mut self, ui: &mut Ui, session: &Session) {
+        ui.add_space(SPACE_SMALL);
+        // Names of its own: the rows above come and go while a study runs, under a press and a release of a switch.
+        let builder = egui::UiBuilder::new().scope_id(egui::Id::unique("what is varied"));
+        ui.scope_builder(builder, |ui| {
+            egui::CollapsingHeader::new(tr("What is varied")).show_unindented(ui, |ui| {
+                self.choices.show(ui, session.scene());
+                remark(ui, tr(INDEPENDENT));
+            });
         });
     }
 
