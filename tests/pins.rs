@@ -4,7 +4,7 @@
 
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::scene::pins::{MAX_PINS, pins_from_json, pins_json};
-use implant_preview::scene::{Document, Layer, Letter, PinnedScene, Scene, Springs};
+use implant_preview::scene::{Document, Layer, Letter, PinnedScene, Scene, Side, Springs};
 use implant_preview::session::{Command, CommandError, Session};
 use implant_preview::solve::Progress;
 use serde_json::{Value, json};
@@ -55,6 +55,20 @@ fn letters(session: &Session) -> Vec<Letter> {
 /// Solves started, and work done.
 fn solved(session: &Session) -> (u64, f64) {
     (session.counters().solves, session.counters().work_units)
+}
+
+#[test]
+fn a_pin_without_a_side_takes_none_away() {
+    let mut session = settled(small());
+    pin(&mut session);
+    edit(&mut session, |scene| scene.side = Some(Side::Left));
+    pin(&mut session);
+    open(&mut session, Letter::A);
+    assert_eq!(session.scene().side, Some(Side::Left));
+    // A pin of its own side keeps it.
+    edit(&mut session, |scene| scene.side = Some(Side::Right));
+    open(&mut session, Letter::B);
+    assert_eq!(session.scene().side, Some(Side::Left));
 }
 
 #[test]

@@ -197,7 +197,10 @@ impl Session {
             Command::Rename(letter, name) => self.rename_pin(letter, name)?,
             Command::OpenPin(letter) => {
                 let pin = self.pin(letter).ok_or(CommandError::NoPin(letter))?;
-                let scene = Scene { visit: self.scene.visit.clone(), ..pin.scene().clone() };
+                // Visit and side are the patient's: a pin without a side takes none away.
+                let side = pin.scene().side.or(self.scene.side);
+                let visit = self.scene.visit.clone();
+                let scene = Scene { side, visit, ..pin.scene().clone() };
                 self.replace(CheckedScene::new(scene)?, false);
                 self.last_gesture = None;
             }
