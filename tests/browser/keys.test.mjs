@@ -188,7 +188,7 @@ describe("a result", { timeout: 10 * harness.PATIENCE }, () => {
     await harness.control(page, "File");
     await page.keyboard.press("Enter");
     await harness.drawn(page);
-    for (let presses = 0; presses < 3; presses += 1) await harness.tab(page);
+    for (let presses = 0; presses < 4; presses += 1) await harness.tab(page);
     assert.equal((await harness.focused(page)).name, "Save numbers (JSON)…");
     const saved = JSON.parse((await harness.download(page, () => page.keyboard.press("Enter"))).text);
     assert.deepEqual(saved.scene, result.scene);

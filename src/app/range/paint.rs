@@ -316,7 +316,7 @@ const NUMBERS: f32 = 22.0;
 /// Least width of the legend on wide and on narrow charts \[points\], and its greatest share of the chart's width for its words \[-\].
 const LEGEND: (f32, f32) = (112.0, 84.0);
 const NARROW_CHART: f32 = 440.0;
-const MOST_LEGEND: f32 = 0.27;
+const MOST_LEGEND: f32 = 0.24;
 
 /// Width of the legend of a chart of a width \[points\].
 pub(super) fn legend_width(ui: &Ui, scale: &Scale, width: f32) -> f32 {
