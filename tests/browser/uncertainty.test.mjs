@@ -46,8 +46,10 @@ async function sampled(page) {
     null,
     { timeout: 6 * harness.PATIENCE },
   );
-  await page.waitForFunction(() =>
-    document.getElementById("implant-preview-summary").textContent.includes("sampled patients"),
+  // Not the sentence of the patients before they became fewer.
+  await page.waitForFunction(
+    (words) => document.getElementById("implant-preview-summary").textContent.includes(words),
+    `Of ${SAMPLES} sampled patients`,
   );
   return summary(page);
 }

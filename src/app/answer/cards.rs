@@ -366,11 +366,11 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
     let most = answer.pressure.map(|(_, most)| most);
     let figure = text_of(most, texts::pressure);
     let line = answer.pressure.map_or_else(String::new, |(mean, most)| {
-        let pressure = sampled.in_line(Quantity::MeanPressureMmhg, mean);
-        match most.round() > texts::MOST_PRESSURE {
-            true => tr!("beyond the studies of living skin; {pressure} on average", pressure),
-            false => tr!("{pressure} on average", pressure),
+        if most.round() > texts::MOST_PRESSURE {
+            return tr("beyond the studies of living skin").to_owned();
         }
+        let pressure = sampled.in_line(Quantity::MeanPressureMmhg, mean);
+        tr!("{pressure} on average", pressure)
     });
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
     Card {
