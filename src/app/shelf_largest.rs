@@ -1,5 +1,5 @@
-//! The largest size of the clinic's shelf that stays usual for the present patient, by name. Sizes wider than the plan do not
-//! count: the width is that of the breast.
+//! The largest size of the clinic's shelf that stays usual for the present patient, by name. Sizes wider than the breast do not
+//! count: the base as measured, else the width of the plan.
 
 use super::action::Action;
 use super::practice::{Against, Practices};
@@ -9,10 +9,10 @@ use super::texts::{self, tr};
 use super::widgets::remark;
 use crate::clinical::ShelfSize;
 use crate::scene::Scene;
-use crate::study::{FirstUsual, MapSettings, size_in_words};
+use crate::study::{FirstUsual, MapSettings, breast_width_mm, size_in_words};
 use eframe::egui::{Link, RichText, Ui};
 
-/// Width above that of the plan that still counts as its width \[mm\].
+/// Width above that of the breast that still counts as its width \[mm\].
 const ROUNDING_MM: f64 = 0.5;
 
 /// The study of the shelf's sizes.
@@ -53,7 +53,7 @@ impl ShelfLargest {
 
     /// Starts the search, unless that is in the same plans.
     fn restart(&mut self, scene: &Scene, sizes: &Sizes, studies: &mut Studies) {
-        let width = 2.0 * scene.implant.base_radius_mm + ROUNDING_MM;
+        let width = breast_width_mm(scene) + ROUNDING_MM;
         let mut fitting: Vec<&ShelfSize> = sizes.shelf.sizes().iter().collect();
         fitting.retain(|size| size.width_mm() <= width);
         fitting.sort_by(|a, b| b.volume_ml().total_cmp(&a.volume_ml()));
@@ -98,7 +98,7 @@ impl ShelfLargest {
         };
         let largest = search.found().and_then(|k| self.sizes.get(k).zip(self.scenes.get(k)));
         let is_practice = self.against.iter().all(|against| against.practice().is_some());
-        let words = words(2.0 * plan.implant.base_radius_mm, largest, is_practice);
+        let words = words(breast_width_mm(plan), largest, is_practice);
         let response = match largest {
             Some(_) => ui.add(Link::new(RichText::new(words).small())),
             None => remark(ui, words),

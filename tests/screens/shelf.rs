@@ -1,6 +1,7 @@
 //! The clinic's shelf outside of its list: the menu, a table that was taken, the largest size in a sentence.
 
 use super::*;
+use implant_preview::clinical::Measurements;
 
 const SIZES: &str = "name;width_cm;volume_ml\nLow;11,5;200\nWide;13;300\n";
 
@@ -46,4 +47,16 @@ fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &before);
+}
+
+#[test]
+fn the_largest_size_of_the_shelf_is_as_wide_as_the_measured_breast_at_most() {
+    let mut harness = app(DESKTOP, |scene| {
+        *scene = flat_plan();
+        let measured = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+        scene.apply_patient(Measurements { base_width_mm: Some(130.0), ..measured }).unwrap();
+    });
+    harness.state_mut().restore_shelf(SIZES);
+    let words = "Largest of the shelf up to 13 cm with practice's stretch: Wide · 300 cc";
+    wait_until(&mut harness, "the size", |harness| text_with(harness, words));
 }
