@@ -93,8 +93,7 @@ impl Quantity {
             Self::LayerStrain(layer) | Self::Thickness(layer) => {
                 scene.is_layered() && layer < scene.layers.len()
             }
-            Self::Cover | Self::Traction => scene.is_layered(),
-            Self::Wrinkles => scene.is_layered(),
+            Self::Cover | Self::Traction | Self::Wrinkles => scene.is_layered(),
         }
     }
 

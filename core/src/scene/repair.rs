@@ -51,15 +51,22 @@ impl Scene {
     /// Sets the pocket's radius \[mm\]. A patch of the default radius becomes the default patch of the new pocket; a
     /// patch of another radius stays.
     pub fn set_pocket_radius(&mut self, radius_mm: f64) {
-        let body = &mut self.body;
-        let default = |pocket: f64| Body::around(pocket, body.tissue_model).patch_radius_mm;
-        let [before, after] = [self.pocket_radius_mm, radius_mm].map(default);
-        let is_default = (body.patch_radius_mm - before).abs() < 1e-9;
+        let [before, after] = [self.pocket_radius_mm, radius_mm].map(|it| self.default_patch(it));
         // An equal radius changes no bit of the scene.
-        if is_default && before.to_bits() != after.to_bits() {
-            body.patch_radius_mm = after;
+        if self.has_default_patch() && before.to_bits() != after.to_bits() {
+            self.body.patch_radius_mm = after;
         }
         self.pocket_radius_mm = radius_mm;
+    }
+
+    /// Has the patch the default radius, which follows the pocket?
+    pub(crate) fn has_default_patch(&self) -> bool {
+        (self.body.patch_radius_mm - self.default_patch(self.pocket_radius_mm)).abs() < 1e-9
+    }
+
+    /// Default radius of the patch around a pocket \[mm\].
+    fn default_patch(&self, pocket_radius_mm: f64) -> f64 {
+        Body::around(pocket_radius_mm, self.body.tissue_model).patch_radius_mm
     }
 
     /// Enlarges the patch to the least around the pocket.

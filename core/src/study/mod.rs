@@ -65,6 +65,7 @@ pub use parameter::{Parameter, ParameterError, with_values};
 pub use percentile::percentiles;
 pub use practice::{
     NoPractice, Practice, breast_width_mm, has_same_practice, has_shape_of_practice,
+    practice_volume,
 };
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};

@@ -49,8 +49,7 @@ impl Practice {
             return Err(NoPractice::Model);
         }
         let (least, most) = table.widths_mm();
-        let volume = table.volume(breast_width_mm(plan), &measured(plan));
-        let volume = volume.ok_or(NoPractice::Width(least, most))?;
+        let volume = practice_volume(plan, table).ok_or(NoPractice::Width(least, most))?;
         let scenes = practice_scenes(plan, &volume).ok_or(NoPractice::Volume)?;
         Ok(Self { volume, scenes, strains: [State::Waiting; 3], jobs: Vec::new() })
     }
@@ -101,17 +100,17 @@ fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> 
             projection_mm: size.projection_mm(),
             ..Implant::default()
         };
-        let follows = has_default_patch(plan);
         scene.set_pocket_radius(scene.implant.least_pocket_mm() + MARGIN_MM);
-        if follows {
-            let default = Body::around(scene.pocket_radius_mm, scene.body.tissue_model);
-            scene.body.patch_radius_mm = default.patch_radius_mm;
-        } else {
-            scene.widen_patch();
-        }
+        scene.widen_patch();
         scene.validate().is_ok().then_some(scene)
     };
     Some([scene(-1.0)?, scene(0.0)?, scene(1.0)?])
+}
+
+/// The volume that a table takes for a plan, with its parts; `None` for a width outside of the table.
+#[must_use]
+pub fn practice_volume(plan: &Scene, table: &PracticeTable) -> Option<PracticeVolume> {
+    table.volume(breast_width_mm(plan), &measured(plan))
 }
 
 /// Base width of the breast of a plan \[mm\]: as measured, else that of the implant.
@@ -125,12 +124,6 @@ pub fn breast_width_mm(plan: &Scene) -> f64 {
 pub fn has_shape_of_practice(plan: &Scene) -> bool {
     let Implant { base_radius_mm, projection_mm, .. } = plan.implant;
     plan.implant == Implant { base_radius_mm, projection_mm, ..Implant::default() }
-}
-
-/// Has the patch the default radius, which follows the pocket?
-fn has_default_patch(plan: &Scene) -> bool {
-    let default = Body::around(plan.pocket_radius_mm, plan.body.tissue_model).patch_radius_mm;
-    (plan.body.patch_radius_mm - default).abs() < 1e-9
 }
 
 /// Have two plans the same practice: the same tissue, chest, measurements, base width and settings of the solver?
@@ -155,7 +148,7 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
             solver,
         } = scene;
         let measured = patient.as_ref().map(|patient| patient.measured);
-        let patch_radius_mm = if has_default_patch(scene) { 0.0 } else { body.patch_radius_mm };
+        let patch_radius_mm = if scene.has_default_patch() { 0.0 } else { body.patch_radius_mm };
         let body = Body { patch_radius_mm, ..*body };
         let tissue = (layers, thickness_field, measured, springs);
         (breast_width_mm(scene).to_bits(), body, chest, chest_grid, tissue, solver)

@@ -176,15 +176,19 @@ pub struct PracticeStretch {
 }
 
 impl PracticeStretch {
+    /// The words against practice, from low to high.
+    pub const WORDS: [&str; 3] = ["below practice", "as practice", "above practice"];
+
     /// The limits of the strain \[-\] against practice; the strains at which skin tears stay.
     #[must_use]
     pub fn limits(self) -> Limits {
         let [_, high, tears] = STRAIN_BANDS;
+        let [below, same, above] = Self::WORDS;
         let band = |limit, word, level, source| Band { limit, word, level, source };
         let bands = vec![
-            band(Some(self.less.min(high)), "below practice", 0, PRACTICE_SOURCE),
-            band(Some(self.more.min(high)), "as practice", 0, ""),
-            band(Some(high), "above practice", 1, ""),
+            band(Some(self.less.min(high)), below, 0, PRACTICE_SOURCE),
+            band(Some(self.more.min(high)), same, 0, ""),
+            band(Some(high), above, 1, ""),
             band(Some(tears), "very high", 2, STRAIN.bands[2].source),
             band(None, "beyond", 3, ""),
         ];
@@ -195,12 +199,13 @@ impl PracticeStretch {
     #[must_use]
     pub fn verdict(self, strain: f64) -> (usize, &'static str) {
         let [_, high, tears] = STRAIN_BANDS;
+        let [below, same, above] = Self::WORDS;
         match strain {
             strain if strain > tears => (3, "beyond"),
             strain if strain > high => (2, "very high"),
-            strain if strain > self.more => (1, "above practice"),
-            strain if strain > self.less => (0, "as practice"),
-            _ => (0, "below practice"),
+            strain if strain > self.more => (1, above),
+            strain if strain > self.less => (0, same),
+            _ => (0, below),
         }
     }
 }

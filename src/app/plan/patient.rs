@@ -7,7 +7,6 @@ use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
 use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
 use crate::scene::{Field, Scene};
-use crate::study::breast_width_mm;
 use eframe::egui::{Id, Ui};
 
 /// Pull of a new measurement \[mm\], in the middle of the class "normal".
@@ -59,22 +58,32 @@ fn base(
     if measured.skin_pull_mm.is_some() || !is_of_use {
         return;
     }
-    let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);
     let mut is_measured = measured.base_width_mm.is_some();
     let check = ui.checkbox(&mut is_measured, tr("Breast base measured"));
     if check
         .on_hover_text(tr("Else practice's volume is that of a breast as wide as the implant"))
         .changed()
     {
-        let (least, most) = limits::MEASURED_WIDTH_MM;
-        measured.base_width_mm = is_measured.then(|| breast_width_mm(scene).clamp(least, most));
+        measured.base_width_mm = is_measured.then(|| new_base(scene));
     }
-    if let Some(width) = measured.base_width_mm {
-        let mut width = cm(width);
-        let control = Control { reset: 12.0, ..control };
-        if row(ui, hand, control, &mut width, (0.0, |_: &mut Ui| {})).is_changed {
-            measured.base_width_mm = Some(mm(width));
-        }
+    if measured.base_width_mm.is_some() {
+        base_width(ui, measured, hand);
+    }
+}
+
+/// Base width of a new measurement \[mm\]: that of the implant.
+fn new_base(scene: &Scene) -> f64 {
+    let (least, most) = limits::MEASURED_WIDTH_MM;
+    (2.0 * scene.implant.base_radius_mm).clamp(least, most)
+}
+
+/// The row of the measured base.
+fn base_width(ui: &mut Ui, measured: &mut Measurements, hand: Hand) {
+    let mut width = cm(measured.base_width_mm.unwrap_or(120.0));
+    let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);
+    let control = Control { reset: 12.0, ..control };
+    if row(ui, hand, control, &mut width, (0.0, |_: &mut Ui| {})).is_changed {
+        measured.base_width_mm = Some(mm(width));
     }
 }
 
@@ -179,24 +188,16 @@ fn skin(ui: &mut Ui, scene: &mut Scene, measured: &mut Measurements, hand: Hand)
         if chip(ui, hand, is_pulled, tr("pull…"), tooltip) {
             measured.skin_class = None;
             measured.skin_pull_mm = Some(USUAL_PULL_MM);
-            let (least, most) = limits::MEASURED_WIDTH_MM;
-            let width = (2.0 * scene.implant.base_radius_mm).clamp(least, most);
-            measured.base_width_mm = measured.base_width_mm.or(Some(width));
+            measured.base_width_mm = measured.base_width_mm.or(Some(new_base(scene)));
         }
     });
-    let none = |_: &mut Ui| {};
     if let Some(pull) = measured.skin_pull_mm {
         let mut pull = cm(pull);
         let control = Control::of(Field::SkinPull).with_rail(1.0..=5.0);
         let control = Control { reset: cm(USUAL_PULL_MM), ..control };
-        if row(ui, hand, control, &mut pull, (0.0, none)).is_changed {
+        if row(ui, hand, control, &mut pull, (0.0, |_: &mut Ui| {})).is_changed {
             measured.skin_pull_mm = Some(mm(pull));
         }
-        let mut width = cm(measured.base_width_mm.unwrap_or(120.0));
-        let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);
-        let control = Control { reset: 12.0, ..control };
-        if row(ui, hand, control, &mut width, (0.0, none)).is_changed {
-            measured.base_width_mm = Some(mm(width));
-        }
+        base_width(ui, measured, hand);
     }
 }

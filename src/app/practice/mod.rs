@@ -13,7 +13,7 @@ use crate::clinical::{PracticeTable, PracticeVolume};
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
 use crate::scene::Scene;
 use crate::study::{
-    Cases, NoPractice, Practice, Study, breast_width_mm, evaluate, has_same_practice,
+    Cases, NoPractice, Practice, Study, evaluate, has_same_practice, practice_volume,
 };
 
 /// Greatest number of plans whose practice is kept.
@@ -131,8 +131,7 @@ impl Practices {
         if matches!(self.against(plan), Against::Skin(_)) {
             return None;
         }
-        let measured = plan.patient.as_ref().map(|patient| patient.measured);
-        self.table.volume(breast_width_mm(plan), &measured.unwrap_or_default())
+        practice_volume(plan, &self.table)
     }
 
     /// The plans of practice's least and greatest volume in the tissue of a plan that is compared with practice.

@@ -5,7 +5,7 @@ use super::plane::marks;
 use super::readout;
 use crate::app::texts::{fixed, tr, word_of};
 use crate::clinical::STEP_ML;
-use crate::measure::bands::{Band, Limits};
+use crate::measure::bands::{Band, Limits, PracticeStretch};
 use crate::study::{JudgedMap, PointStatus, Quantity};
 use crate::view::color::{Rgb, in_band, sequential};
 use eframe::egui::{Color32, ColorImage};
@@ -130,7 +130,7 @@ impl Scale {
     /// The words for which the legend keeps room before they are known: those of practice.
     pub(super) fn words_to_come(&self) -> &'static [&'static str] {
         match self.quantity {
-            Quantity::GreatestStrain => &["below practice", "as practice", "above practice"],
+            Quantity::GreatestStrain => &PracticeStretch::WORDS,
             _ => &[],
         }
     }
