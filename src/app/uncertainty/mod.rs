@@ -271,25 +271,27 @@ mod tests {
         let mut frames = Frames::new();
         (0..10).for_each(|_| frames.next(false));
         assert_eq!(frames.log.borrow().submitted, 0);
-        frames.until(|frames| frames.log.borrow().submitted == 6);
+        // A frame submits one job or two.
+        frames.until(|frames| frames.log.borrow().submitted >= 6);
+        let begun = frames.log.borrow().submitted;
         let before = frames.studies.jobs();
         let (solved, _) = solved_and_reused(&frames.studies);
-        assert!(before > 0 && solved + before == 6, "{solved} {before}");
+        assert!(before > 0 && begun < FEW && solved + before == begun, "{solved} {before} {begun}");
         frames.edit(|scene| scene.pocket_radius_mm += 2.0);
         assert_eq!(frames.in_cards(), None);
         frames.next(true);
         assert_eq!(frames.studies.jobs(), 0);
         // Nothing begins before the edited plan rests.
         frames.next(true);
-        assert_eq!(frames.log.borrow().submitted, 6);
+        assert_eq!(frames.log.borrow().submitted, begun);
         frames.until(|frames| frames.in_cards().is_some());
         assert_eq!(frames.in_cards(), Some(FEW));
         // A scene each.
         let (all, reused) = solved_and_reused(&frames.studies);
         assert_eq!((all - solved, reused), (FEW, 0));
-        assert_eq!(frames.log.borrow().submitted, 6 + FEW);
+        assert_eq!(frames.log.borrow().submitted, begun + FEW);
         (0..10).for_each(|_| frames.next(true));
-        assert_eq!(frames.log.borrow().submitted, 6 + FEW);
+        assert_eq!(frames.log.borrow().submitted, begun + FEW);
         // The present plan's cards have no patients of another plan, in the frame of the edit either.
         frames.edit(|scene| scene.pocket_radius_mm += 2.0);
         assert_eq!(frames.in_cards(), None);
