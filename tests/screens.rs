@@ -279,7 +279,7 @@ fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
             let tissue = harness.get_by_label("Tissue").rect();
             let sources = harness.get_by_label("Where limits come from").rect();
             let status = harness.get_by_label("Up to date").rect();
-            assert!(tissue.bottom() < status.top(), "{size} {chips:?}: {tissue:?}");
+            assert!(tissue.bottom() < status.top(), "{size} {chips:?}: {tissue:?} {status:?}");
             assert!(sources.bottom() < status.top(), "{size} {chips:?}: {sources:?}");
             assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size} {chips:?}");
         }

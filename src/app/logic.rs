@@ -88,11 +88,14 @@ impl App {
         let room = Rect::from_min_size(room.min, room.size().max(theme::LEAST_WINDOW));
         let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(room));
         self.focus.boundary(ui, Boundary::First);
-        if ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW {
+        let is_narrow = ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW;
+        if is_narrow {
             self.narrow(ui, &mut scene);
         } else {
             self.wide(ui, &mut scene);
         }
+        let hand = if is_narrow { plan::Hand::Finger } else { plan::Hand::Mouse };
+        self.show_report_dialog(&ctx, hand);
         toolbar::help(&ctx, &mut self.windows.show_help);
         self.windows.palette.show(&ctx, &self.shared, &mut self.actions);
         if let Some(notice) = self.panels.range.shelf_preview(&ctx) {
@@ -347,7 +350,7 @@ impl App {
                     self.show_opened(opened, &name, tr!("Opened {name}.", name))
                 }
                 FileEvent::Saved(name) => {
-                    self.notify_saved(ctx, &name);
+                    self.notify_saved(&name);
                     continue;
                 }
                 FileEvent::Failed(error) => Notice::error(error),
@@ -429,6 +432,7 @@ impl App {
         let is_pressed = ctx.input(|input| input.key_pressed(Key::Escape));
         let is_elsewhere = self.windows.show_help
             || self.windows.curve_window.is_some()
+            || self.windows.report_dialog.is_some()
             || self.windows.palette.is_open()
             || self.panels.range.has_preview();
         if !is_pressed || is_elsewhere || egui::Popup::is_any_open(ctx) {

@@ -3,6 +3,7 @@
 use super::action::{Action, Purpose, Task};
 use super::commands::{QUANTITIES, why_not};
 use super::messages::Notice;
+use super::report::{Choice, ReportDialog};
 use super::shared::{LONG, Shared};
 use super::texts::{Language, language, set_language, tr};
 use super::ui::Windows;
@@ -78,12 +79,10 @@ impl App {
                 let text = export::csv(&numbers::table(&self.shared.session, &sampled));
                 self.save_numbers(ctx, "csv", text);
             }
-            Task::TakeHome(purpose) => {
-                if let Err(error) = self.take_home(ctx, purpose) {
-                    let words = tr!("No picture was made: {error}.", error);
-                    self.notice = Some(Notice::error(words));
-                }
+            Task::TakeHome(Purpose::Report) if !plan::has_patient_number(session.scene()) => {
+                self.windows.report_dialog = Some(ReportDialog::new(session.scene()));
             }
+            Task::TakeHome(purpose) => self.take_home(ctx, purpose),
             Task::CopyLink => self.copy_link(ctx),
             Task::SaveProfile => {
                 let table = export::profile(&meridians(session.solution()));
@@ -183,8 +182,33 @@ impl App {
         self.files.save(ctx, &name, text);
     }
 
-    /// Saves or copies a picture or the report. Needs the graphics of a frame.
-    fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) -> Result<(), String> {
+    /// Shows the dialog in front of a report; saves the report once the user says so.
+    pub(super) fn show_report_dialog(&mut self, ctx: &egui::Context, hand: plan::Hand) {
+        let Some(mut dialog) = self.windows.report_dialog.take() else { return };
+        match dialog.show(ctx, hand) {
+            None => self.windows.report_dialog = Some(dialog),
+            Some(Choice::Cancel) => {}
+            Some(Choice::Save) => {
+                let mut scene = self.shared.session.scene().clone();
+                dialog.write_to(&mut scene);
+                if scene != *self.shared.session.scene() {
+                    self.replace(scene);
+                }
+                self.take_home(ctx, Purpose::Report);
+            }
+        }
+    }
+
+    /// Saves or copies a picture or the report, or shows why not.
+    fn take_home(&mut self, ctx: &egui::Context, purpose: Purpose) {
+        if let Err(error) = self.try_to_take_home(ctx, purpose) {
+            let words = tr!("No picture was made: {error}.", error);
+            self.notice = Some(Notice::error(words));
+        }
+    }
+
+    /// Needs the graphics of a frame.
+    fn try_to_take_home(&mut self, ctx: &egui::Context, purpose: Purpose) -> Result<(), String> {
         let Self { shared, panels, .. } = self;
         // The words on paper are those against practice, unless its volumes take long.
         let Shared { session, practices, timing, .. } = shared;
@@ -207,23 +231,13 @@ impl App {
         Ok(())
     }
 
-    /// Shows that a file was saved; of a report without patient's number or side what is missing, with its fields in sight.
-    pub fn notify_saved(&mut self, ctx: &egui::Context, name: &str) {
+    /// Shows that a file was saved; of a report without patient's number or side what is missing.
+    pub fn notify_saved(&mut self, name: &str) {
         let is_report = name.rsplit_once('.').is_some_and(|(_, end)| end == files::REPORT);
         let missing = plan::missing_for_file(self.shared.session.scene()).filter(|_| is_report);
         self.notice = Some(match missing {
             None => Notice::info(tr!("Saved {name}.", name)),
-            Some(missing) => {
-                plan::show_visit(ctx);
-                self.screen.show_patient();
-                let place = tr(plan::FOR_FILE);
-                Notice::caution(tr!(
-                    "Saved {name}. {missing}: see “{place}”.",
-                    name,
-                    missing,
-                    place
-                ))
-            }
+            Some(missing) => Notice::caution(tr!("Saved {name}. {missing}.", name, missing)),
         });
     }
 

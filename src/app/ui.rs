@@ -7,6 +7,7 @@ use super::insertion::Insertion;
 use super::messages::NoticeAction;
 use super::palette::Palette;
 use super::panel_widths::PanelWidths;
+use super::report::ReportDialog;
 use super::shared::Shared;
 use super::texts::tr;
 use super::toolbar::{Layout, disclaimer};
@@ -46,19 +47,13 @@ impl Default for Screen {
     }
 }
 
-impl Screen {
-    /// Shows the tab of the patient on a narrow screen.
-    pub(super) fn show_patient(&mut self) {
-        self.narrow_tab = NarrowTab::Patient;
-    }
-}
-
 /// The windows over the screen.
 #[derive(Default)]
 pub(super) struct Windows {
     pub(super) palette: Palette,
     pub(super) show_help: bool,
     pub(super) curve_window: Option<CurveWindow>,
+    pub(super) report_dialog: Option<ReportDialog>,
 }
 
 /// Width in which the answer takes one line \[points\].
@@ -137,6 +132,7 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
+        plan::side(ui, &mut scene.side, Hand::Mouse);
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
         self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
@@ -177,6 +173,7 @@ impl App {
         match self.screen.narrow_tab {
             NarrowTab::Implant => {
                 self.largest_usual(ui);
+                plan::side(ui, &mut scene.side, Hand::Finger);
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
                 self.panels.shelf_largest.show(ui, scene, &mut self.actions);

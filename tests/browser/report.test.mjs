@@ -29,6 +29,11 @@ async function choose(page, ...items) {
 /** Chooses an item of the menu "File" and reads the file that is downloaded. */
 async function save(page, ...items) {
   await choose(page, ...items);
+  // In front of a report without a patient's number is a dialog, which the Enter key saves.
+  if (items.at(-1).startsWith("Save report") && !(await harness.scene(page)).visit?.reference) {
+    await page.keyboard.press("Enter");
+    await harness.control(page, "Save report");
+  }
   const [file] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
   return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
 }

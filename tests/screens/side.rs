@@ -1,9 +1,10 @@
 //! A right breast: the numbers of a left one, its pictures mirrored, the pointer and the keys as one looks at the patient.
 
-use super::{DESKTOP, app, flat_plan, press, settle};
+use super::{DESKTOP, PHONE, app, flat_plan, press, settle};
+use eframe::egui::accesskit::Toggled;
 use eframe::egui::{Key, Pos2, Rect, Role, Shape, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use implant_preview::app::App;
 use implant_preview::scene::Side;
 
@@ -70,11 +71,26 @@ fn picture_torso_and_cross_section_of_a_right_breast_are_mirror_images() {
 }
 
 #[test]
+fn the_side_is_a_choice_of_the_first_screen() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        let is_chosen = |harness: &Screen, side: &str| {
+            let chip = harness.get_by_role_and_label(Role::Button, side);
+            assert!(harness.ctx.content_rect().contains_rect(chip.rect()), "{size}: {side}");
+            chip.accesskit_node().toggled() == Some(Toggled::True)
+        };
+        assert!(!["left", "right", "both"].iter().any(|side| is_chosen(&harness, side)));
+        press(&mut harness, "right");
+        assert!(is_chosen(&harness, "right") && !is_chosen(&harness, "left"));
+        assert!(harness.state().session().scene().is_right());
+    }
+}
+
+#[test]
 fn a_change_of_the_side_starts_no_solve_and_is_in_link_and_pin() {
     let mut harness = of(Side::Left);
     let solves = harness.state().session().counters().solves;
     press(&mut harness, "Pin as A");
-    press(&mut harness, "For the file");
     press(&mut harness, "right");
     settle(&mut harness);
     let session = harness.state().session();

@@ -1,7 +1,6 @@
 //! The fold "For the file": patient and visit in words, in the plan's file only, without a solve.
 
 use super::*;
-use egui::accesskit::Toggled;
 use implant_preview::scene::{Side, Visit};
 
 /// Focuses a field of text and types.
@@ -34,7 +33,8 @@ fn filled(size: egui::Vec2) -> Harness<'static, App> {
     }
     unfold(&mut harness, "For the file");
     write(&mut harness, Role::TextInput, "Patient no.", "K. M. 4711");
-    press(&mut harness, "left");
+    harness.state_mut().set_plan("side", "left").unwrap();
+    settle(&mut harness);
     write(&mut harness, Role::TextInput, "Date of the visit", "2026-01-31");
     write(&mut harness, Role::TextInput, "Surgeon", "Dr A");
     write(&mut harness, Role::MultilineTextInput, "Remarks", "one\ntwo");
@@ -60,9 +60,7 @@ fn a_visit_is_written_without_a_solve_and_a_field_is_one_step_of_the_history() {
         assert_eq!(harness.state().session().scene().side, Some(Side::Left));
         assert_eq!(harness.state().session().counters().solves, 1);
         assert!(harness.state().session().result().is_some());
-        let chip = harness.get_by_role_and_label(Role::Button, "left");
-        assert_eq!(chip.accesskit_node().toggled(), Some(Toggled::True));
-        harness.get_by_label_contains("Kept in this plan's file and in the report only");
+        harness.get_by_label_contains("These entries stay in this plan's file and in the report.");
         press(&mut harness, "Undo");
         assert_eq!(visit(&harness), Visit { remarks: String::new(), ..known() });
         for _ in 0..4 {
@@ -210,40 +208,74 @@ fn the_link_says_that_it_leaves_out_the_visit() {
 }
 
 #[test]
-fn a_saved_report_says_what_of_number_and_side_is_missing_and_shows_their_fields() {
-    for size in [DESKTOP, egui::vec2(1024.0, 700.0), PHONE] {
+fn a_report_without_a_patient_number_asks_for_its_entries_first() {
+    for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| {
             *scene = flat_plan();
             scene.solver.nodes_per_side = 33;
         });
-        let save = |harness: &mut Harness<'static, App>, name: &str| {
-            let ctx = harness.ctx.clone();
-            harness.state_mut().notify_saved(&ctx, name);
-            harness.run_steps(12);
-            harness.state().notice_in_words()
+        // Without graphics a report ends with this notice.
+        let is_saved = |harness: &Harness<'static, App>| {
+            harness.state().notice_in_words().contains("No picture was made")
         };
-        // Plan and picture are as before.
-        assert_eq!(save(&mut harness, "a.png"), "Saved a.png.");
-        assert!(harness.query_by_label("Patient no.").is_none(), "{size}");
-        let words = save(&mut harness, "a.html");
-        let missing =
-            "Note: Saved a.html. No patient number and no side in it: see “For the file”.";
-        assert_eq!(words, missing);
+        let is_asked = |harness: &Harness<'static, App>| {
+            harness.query_by_role_and_label(Role::Button, "Save report").is_some()
+        };
+        press(&mut harness, "Report");
+        assert!(is_asked(&harness) && !is_saved(&harness), "{size}");
+        assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size}");
         let screen = harness.ctx.content_rect();
-        let number = harness.get_by_role_and_label(Role::TextInput, "Patient no.").rect();
-        let side = harness.get_by_role_and_label(Role::Button, "left").rect();
-        let notice = harness.get_by_label(missing).rect();
-        for rect in [number, side, notice] {
-            assert!(screen.contains_rect(rect), "{size}: {rect} in {screen}");
+        for button in ["Save report", "Cancel"] {
+            let rect = harness.get_by_role_and_label(Role::Button, button).rect();
+            assert!(screen.contains_rect(rect), "{size}: {rect}");
         }
-        assert!(!notice.intersects(number) && !notice.intersects(side), "{size}");
-        press(&mut harness, "left");
-        let words = save(&mut harness, "a.html");
-        assert_eq!(words, "Note: Saved a.html. No patient number in it: see “For the file”.");
-        write(&mut harness, Role::TextInput, "Patient no.", "4711");
-        assert_eq!(save(&mut harness, "a.html"), "Saved a.html.");
-        press(&mut harness, "not said");
-        let words = save(&mut harness, "a.html");
-        assert_eq!(words, "Note: Saved a.html. No side in it: see “For the file”.");
+        // What is typed first is the number, which Escape and Cancel drop.
+        for sign in "47".chars() {
+            harness.event(egui::Event::Text(sign.to_string()));
+            harness.run();
+        }
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+        assert!(!is_asked(&harness) && !is_saved(&harness), "{size}");
+        press(&mut harness, "Report");
+        press(&mut harness, "Cancel");
+        assert!(!is_asked(&harness) && !is_saved(&harness), "{size}");
+        assert_eq!(visit(&harness), Visit::default());
+
+        press(&mut harness, "Report");
+        for sign in "4711".chars() {
+            harness.event(egui::Event::Text(sign.to_string()));
+            harness.run();
+        }
+        harness.get_all_by_role_and_label(Role::Button, "right").last().unwrap().click();
+        harness.run();
+        press(&mut harness, "Save report");
+        assert!(!is_asked(&harness) && is_saved(&harness), "{size}");
+        assert_eq!(visit(&harness).reference, "4711");
+        assert_eq!(harness.state().session().scene().side, Some(Side::Right));
+        // With the number a press saves at once.
+        press(&mut harness, "Start over");
+        harness.state_mut().set_plan("reference", "4711").unwrap();
+        settle(&mut harness);
+        press(&mut harness, "Report");
+        assert!(!is_asked(&harness) && is_saved(&harness), "{size}");
     }
+}
+
+#[test]
+fn a_saved_report_says_what_of_number_and_side_is_missing() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let save = |harness: &mut Harness<'static, App>, name: &str| {
+        harness.state_mut().notify_saved(name);
+        harness.run();
+        harness.state().notice_in_words()
+    };
+    assert_eq!(save(&mut harness, "a.png"), "Saved a.png.");
+    let words = save(&mut harness, "a.html");
+    assert_eq!(words, "Note: Saved a.html. No patient number and no side in it.");
+    press(&mut harness, "left");
+    let words = save(&mut harness, "a.html");
+    assert_eq!(words, "Note: Saved a.html. No patient number in it.");
+    harness.state_mut().set_plan("reference", "4711").unwrap();
+    assert_eq!(save(&mut harness, "a.html"), "Saved a.html.");
 }

@@ -2,7 +2,7 @@
 //! turns the difference into a command.
 //!
 //! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `position`
-//! (the implant in its pocket) | `shape` (round or anatomical) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
+//! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`).
 
 mod chest;
@@ -16,6 +16,7 @@ mod pocket;
 mod position;
 mod practice;
 mod shape;
+mod side;
 mod visit;
 
 pub(super) use chest::chest_in_words;
@@ -27,8 +28,10 @@ pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
 pub(super) use shape::{fullness, is_anatomical, shape_in_words};
+pub(super) use side::side;
 pub(super) use visit::{
-    FOR_FILE, missing_for_file, patient_in_words, set_fill_steps, show_visit, visit_in_words,
+    entries_of_report, has_patient_number, missing_for_file, patient_in_words, set_fill_steps,
+    set_visit, visit_in_words,
 };
 
 pub(super) use super::device::Device;

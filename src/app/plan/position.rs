@@ -2,7 +2,7 @@
 //! pocket would reduce the strain.
 
 use super::Device;
-use super::{Hand, cm, mm, title};
+use super::{Hand, cm, mm};
 use crate::app::messages::{Notice, Offer};
 use crate::app::texts::tr;
 use crate::app::theme;
@@ -22,7 +22,6 @@ const STEP_MM: f64 = 1.0;
 
 /// Shows the position. Returns a notice about a number that does not fit the pocket.
 pub(in crate::app) fn position(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Notice> {
-    title(ui, tr("Position"), |_| {});
     let mut notice = None;
     ui.horizontal(|ui| {
         pad(ui, scene);

@@ -2,17 +2,17 @@
 
 use super::date::read_date;
 use super::field::{Field, Values};
-use super::{Hand, chip, chips, named};
+use super::{Hand, chip, named, side};
 use crate::app::files;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::widgets::{characters_left, field_frame, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
 use crate::scene::{FillSchedule, Scene, Side, Visit};
-use eframe::egui::{self, Context, Id, Response, RichText, TextEdit, Ui, vec2};
+use eframe::egui::{self, Id, Response, RichText, TextEdit, Ui, vec2};
 
 /// The name of the fold.
-pub(in crate::app) const FOR_FILE: &str = "For the file";
+const FOR_FILE: &str = "For the file";
 /// The choice of no side, and the name of the date.
 const NOT_SAID: &str = "not said";
 const DATE_NAME: &str = "Date of the visit";
@@ -21,9 +21,8 @@ const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;
 
-const KEPT: &str = "Kept in this plan's file and in the report only; the patient's number and the side also stand on the picture, number and date in the names of \
-                    these files. But for the side, \
-                    not in links or pins, and gone at the next start. Nothing is sent.";
+const KEPT: &str = "These entries stay in this plan's file and in the report. Patient number and side also stand on the saved picture, number and date in \
+                    the names of the files. A link or a pin has the side alone; the next start has none of them. Nothing is sent.";
 
 /// Memory key of the switch.
 fn key() -> Id {
@@ -34,24 +33,14 @@ fn is_open(ui: &Ui) -> bool {
     ui.data(|data| data.get_temp(key())).unwrap_or_default()
 }
 
-/// Memory key of the wish to scroll to the fields.
-fn wish() -> Id {
-    Id::unique("for the file into view")
-}
-
-/// Opens the fold and scrolls to it with the next frame that has it.
-pub(in crate::app) fn show_visit(ctx: &Context) {
-    ctx.data_mut(|data| {
-        data.insert_temp(key(), true);
-        data.insert_temp(wish(), true);
-    });
-    ctx.request_repaint();
+/// Does the scene state the patient's number?
+pub(in crate::app) fn has_patient_number(scene: &Scene) -> bool {
+    scene.visit.as_ref().is_some_and(|visit| !visit.reference.trim().is_empty())
 }
 
 /// What a report needs and the scene does not state, patient's number and side, in words.
 pub(in crate::app) fn missing_for_file(scene: &Scene) -> Option<&'static str> {
-    let has_number = scene.visit.as_ref().is_some_and(|visit| !visit.reference.trim().is_empty());
-    match (has_number, scene.side) {
+    match (has_patient_number(scene), scene.side) {
         (false, None) => Some(tr("No patient number and no side in it")),
         (false, Some(_)) => Some(tr("No patient number in it")),
         (true, None) => Some(tr("No side in it")),
@@ -71,7 +60,7 @@ pub(super) fn switch(ui: &mut Ui, hand: Hand) {
         .frame_when_inactive(true)
         .min_size(vec2(0.0, height));
     let tooltip = tr(
-        "Patient's number, side, date of the visit, surgeon, remarks: for the plan's file and the report",
+        "Patient's number, date of the visit, surgeon, remarks: for the plan's file and the report",
     );
     if ui.add(switch).on_hover_text(tooltip).clicked() {
         ui.data_mut(|data| data.insert_temp(key(), !is_open));
@@ -83,19 +72,14 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
     if !is_open(ui) {
         return None;
     }
-    let (mut now, mut side) = (scene.visit.clone().unwrap_or_default(), scene.side);
-    let shown = ui.scope(|ui| fields(ui, &mut now, &mut side, hand));
-    if ui.data_mut(|data| data.remove_temp::<bool>(wish())).is_some() {
-        shown.response.scroll_to_me(None);
-    }
-    let focused = shown.inner;
-    set(scene, now);
-    scene.side = side;
+    let mut now = scene.visit.clone().unwrap_or_default();
+    let focused = fields(ui, &mut now, hand);
+    set_visit(scene, now);
     focused
 }
 
 /// Replaces the visit; an equal one leaves the scene as it is.
-fn set(scene: &mut Scene, now: Visit) {
+pub(in crate::app) fn set_visit(scene: &mut Scene, now: Visit) {
     if now == scene.visit.clone().unwrap_or_default() {
         return;
     }
@@ -106,7 +90,7 @@ fn set(scene: &mut Scene, now: Visit) {
 pub(in crate::app) fn set_fill_steps(scene: &mut Scene, steps: FillSchedule) {
     let mut now = scene.visit.clone().unwrap_or_default();
     now.fill_steps = (steps != FillSchedule::default()).then_some(steps);
-    set(scene, now);
+    set_visit(scene, now);
 }
 
 /// The visit as fields of the form.
@@ -176,7 +160,7 @@ pub(super) fn set_form_field(
         "remarks" => now.remarks = typed(MAX_REMARKS, MAX_REMARK_LINES),
         _ => return None,
     }
-    set(scene, now);
+    set_visit(scene, now);
     Some(Ok(()))
 }
 
@@ -209,30 +193,31 @@ fn joined<const N: usize>(parts: [String; N]) -> String {
     stated.join(" · ")
 }
 
-fn fields(ui: &mut Ui, visit: &mut Visit, side: &mut Option<Side>, hand: Hand) -> Option<Id> {
+/// The entries of a report: patient's number, side and remarks, at the size of a finger or of a mouse. Returns the field of the number.
+pub(in crate::app) fn entries_of_report(
+    ui: &mut Ui,
+    visit: &mut Visit,
+    side: &mut Option<Side>,
+    hand: Hand,
+) -> Response {
+    let number = number(ui, &mut visit.reference);
+    side::side(ui, side, hand);
+    remarks(ui, &mut visit.remarks);
+    number
+}
+
+fn number(ui: &mut Ui, reference: &mut String) -> Response {
+    line(ui, tr("Patient no."), tr("number or initials"), reference, MAX_REFERENCE)
+}
+
+fn fields(ui: &mut Ui, visit: &mut Visit, hand: Hand) -> Option<Id> {
     let mut focused = None;
     let mut note = |response: Response| {
         if response.has_focus() {
             focused = Some(response.id);
         }
     };
-    note(line(
-        ui,
-        tr("Patient no."),
-        tr("number or initials"),
-        &mut visit.reference,
-        MAX_REFERENCE,
-    ));
-    named(ui, tr("Side"), |ui| {
-        chips(ui, |ui| {
-            let choices = Side::ALL.map(|side| (Some(side), tr(side.word())));
-            for (choice, word) in choices.into_iter().chain([(None, tr(NOT_SAID))]) {
-                if chip(ui, hand, *side == choice, word, "") {
-                    *side = choice;
-                }
-            }
-        });
-    });
+    note(number(ui, &mut visit.reference));
     note(date(ui, hand, &mut visit.date));
     note(line(ui, tr("Surgeon"), "", &mut visit.surgeon, MAX_SURGEON));
     note(remarks(ui, &mut visit.remarks));

@@ -1,13 +1,16 @@
 //! Picture and report: the composed picture as PNG or in the clipboard, and one HTML file with pictures, plan, results and
 //! the plan's file. The report loads nothing and runs no script.
 //!
-//! `offscreen` (pictures of contents that are not on the screen) | `figure` (the composed picture), `page` (the HTML), `answers` (its bars), `html` (texts).
+//! `offscreen` (pictures of contents that are not on the screen) | `dialog` (in front of a report) | `figure` (the composed picture), `page` (the HTML), `answers` (its bars), `html` (texts).
 
 mod answers;
+mod dialog;
 mod figure;
 mod html;
 mod offscreen;
 mod page;
+
+pub(super) use dialog::{Choice, ReportDialog};
 
 use super::answer::{self, PreviousResults};
 use super::compare;
