@@ -235,9 +235,9 @@ fn the_estimated_error_bounds_the_error_against_the_grids_own_equilibrium() {
     }
 }
 
-/// Both methods had accepted small changes before wrinkling as convergence.
+/// Small changes before wrinkling had been accepted as convergence.
 #[test]
-fn compressive_sheets_off_centre_are_solved_to_their_wrinkled_equilibrium() {
+fn sheets_in_folds_off_centre_are_solved_within_their_error() {
     let skin = |thickness, poisson_ratio, curve| json!([{ "tissue": "skin", "thickness_mm": thickness, "poisson_ratio": poisson_ratio, "curve": curve }]);
     let dome = |radius, projection, center: [f64; 2]| json!({ "base_radius_mm": radius, "projection_mm": projection, "center_mm": center });
     let points = json!({ "kind": "points", "points": [[0, 0], [0.2, 12], [0.5, 60], [0.8, 240]],
@@ -267,7 +267,7 @@ fn compressive_sheets_off_centre_are_solved_to_their_wrinkled_equilibrium() {
 
 /// With compressive paper's springs the steps of the positive semidefinite model had been much too small.
 #[test]
-fn the_exact_step_is_evaluated_for_the_papers_springs() {
+fn compressive_sheets_of_the_papers_springs_are_solved_within_their_error() {
     let scene = json!({ "tissue_model": "sheet", "springs": "nikolaev",
         "implant": { "base_radius_mm": 13.9, "projection_mm": 15.8, "center_mm": [0.0, 17.6] },
         "pocket_radius_mm": 31.52, "insertion": 0.8, "layers": [{ "tissue": "skin",
@@ -465,9 +465,9 @@ fn the_papers_springs_without_a_stable_shape_end_soon() {
     }
 }
 
-/// A dome with an oscillation of the sheet at the contact edge from cycle to cycle.
+/// A dome with an oscillation of the sheet at the contact edge from cycle to cycle, which mixing damps.
 #[test]
-fn aitken_relaxation_damps_an_oscillating_contact_edge() {
+fn an_oscillating_contact_edge_needs_few_cycles() {
     let scene = json!({
         "tissue_model": "sheet",
         "implant": { "base_radius_mm": 45, "projection_mm": 30, "center_mm": [8, 5] },
@@ -477,7 +477,7 @@ fn aitken_relaxation_damps_an_oscillating_contact_edge() {
     for nodes in [129, 257] {
         let solver = solved(&scene, nodes, 1e-4);
         assert_eq!(solver.verdict(), Verdict::Converged);
-        assert!(!solver.fell_back() && solver.cycles() <= 6, "{}", solver.cycles());
+        assert!(!solver.fell_back() && solver.cycles() <= 7, "{}", solver.cycles());
     }
 }
 
@@ -589,21 +589,20 @@ fn a_result_warns_of_a_coarse_grid() {
 }
 
 #[test]
-fn the_result_warns_of_wrinkles_by_stress() {
-    let warns = |center: f64, pocket: f64, poisson_ratio: f64| {
+fn a_sheet_warns_of_compression_under_the_papers_springs_alone() {
+    let warning = |springs: &str| {
         let scene = json!({
             "tissue_model": "sheet",
-            "implant": { "base_radius_mm": 40, "center_mm": [center, 0] }, "pocket_radius_mm": pocket,
-            "layers": [ { "poisson_ratio": poisson_ratio,
-                          "curve": { "kind": "linear", "modulus_kpa": 50 } } ],
+            "implant": { "base_radius_mm": 40, "center_mm": [25, 0] }, "pocket_radius_mm": 65,
+            "springs": springs,
+            "layers": [ { "poisson_ratio": 0.0, "curve": { "kind": "linear", "modulus_kpa": 50 } } ],
             "solver": { "nodes_per_side": 65 },
         });
         let outcome = simulate(&Scene::from_json(&scene.to_string()).unwrap()).unwrap();
-        outcome.warnings.iter().any(|warning| warning.contains("wrinkle"))
+        outcome.warnings.iter().any(|warning| warning.contains("under compression"))
     };
-    // Strains are compressive in both; the least stress is +0.095 E and −0.016 E.
-    assert!(!warns(20.0, 60.0, 0.45));
-    assert!(warns(25.0, 65.0, 0.0));
+    assert!(!warning("coupled"));
+    assert!(warning("nikolaev"));
 }
 
 /// Mean and greatest contact pressure \[kPa\] on a centred dome from the axisymmetric reference: κ₁T₁/λ₂ + κ₂T₂/λ₁ with the

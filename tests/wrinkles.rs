@@ -4,9 +4,10 @@
 
 use implant_preview::curve::Curve;
 use implant_preview::measure::{Field, Fields, Outcome, Status};
-use implant_preview::scene::{CheckedScene, Scene};
+use implant_preview::scene::{CheckedScene, Scene, TissueModel};
 use implant_preview::simulate::{Simulation, run, simulate};
 use implant_preview::solve::Options;
+use implant_preview::springs::Springs;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -131,9 +132,12 @@ fn each_solid_counts_with_one_cell_at_least() {
 }
 
 #[test]
-fn a_sheet_has_no_wrinkles_and_no_cells() {
+fn a_sheet_of_coupled_springs_wrinkles_and_one_of_the_papers_does_not() {
     let mut sheet = off_centre();
-    sheet.set_tissue_model(implant_preview::scene::TissueModel::Sheet);
+    sheet.set_tissue_model(TissueModel::Sheet);
     let outcome = simulate(&sheet).unwrap();
-    assert_eq!((outcome.wrinkled, outcome.solver.cells_through), (None, None));
+    assert!(outcome.wrinkled.unwrap() > 0.0 && outcome.solver.cells_through.is_none());
+    assert!(outcome.layers.iter().all(|layer| layer.max_stress_kpa.unwrap() >= 0.0));
+    sheet.springs = Springs::Nikolaev;
+    assert_eq!(simulate(&sheet).unwrap().wrinkled, None);
 }

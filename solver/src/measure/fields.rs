@@ -4,7 +4,7 @@ use super::contact::Contact;
 use super::layered::{self, NodalLoads};
 use super::layers;
 use super::wrinkles;
-use crate::solve::{Solution, Tissue};
+use crate::solve::Solution;
 use crate::springs::tension_field::FieldState;
 use glam::Vec2;
 use std::cell::{Cell, OnceCell};
@@ -139,7 +139,7 @@ impl Fields {
                         material,
                         deformation,
                         node,
-                        self.solution.problem().tissue == Tissue::Layered,
+                        self.solution.problem().wrinkles(),
                     )),
                 }
             }
@@ -164,7 +164,7 @@ impl Fields {
         }
     }
 
-    /// State of the skin at a node; `None` where the skin is compressed instead of wrinkled: a sheet, older scenes.
+    /// State of the skin at a node; `None` of the paper's springs, which are compressed instead.
     #[must_use]
     pub fn skin_state(&self, node: usize) -> Option<FieldState> {
         wrinkles::state(&self.solution, node)

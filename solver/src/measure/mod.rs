@@ -282,7 +282,7 @@ impl Outcome {
         let loads = layers::loads(
             solution.problem().membrane(),
             solution.deformation(),
-            solution.problem().tissue == Tissue::Layered,
+            solution.problem().wrinkles(),
         );
         for (layer, load) in self.layers.iter_mut().zip(loads) {
             layer.max_stress_kpa = Some(load.max_stress);

@@ -27,11 +27,13 @@ const VISIBLE_OVER_POCKET: f64 = 0.01;
 /// beyond the pocket on the side to which an implant lies off centre.
 const VISIBLE_ON_PATCH: f64 = 0.05;
 
-/// Principal strains and Poisson ratio of the skin at a node; `None` where compression is not relaxed.
+/// Principal strains at a node, and the Poisson ratio of the membrane's layer that wrinkles last; `None` where compression is not
+/// relaxed.
 fn skin(solution: &Solution, node: usize) -> Option<([f64; 2], f64)> {
     let problem = solution.problem();
-    let skin = problem.membrane().first().filter(|_| problem.tissue == Tissue::Layered)?;
-    Some((solution.deformation().principal(node), skin.poisson_ratio))
+    let ratios = problem.membrane().iter().map(|layer| layer.poisson_ratio);
+    let greatest = ratios.max_by(f64::total_cmp).filter(|_| problem.wrinkles())?;
+    Some((solution.deformation().principal(node), greatest))
 }
 
 /// State of the skin at a node; `None` where the skin is no tension field.
@@ -67,14 +69,19 @@ impl Shares {
     /// The shares of a solution; `None` where the skin is no tension field.
     pub(super) fn new(solution: &Solution) -> Option<Self> {
         let problem = solution.problem();
-        if problem.tissue == Tissue::Sheet {
+        if !problem.wrinkles() {
             return None;
         }
         let (deformation, part) = (solution.deformation(), solution.part());
         let (mut patch, mut pocket, mut sums) = (0.0, 0.0, Self::default());
         for k in deformation.inside() {
             let area = deformation.rest_area(k) * part.multiplicity(k);
-            let over = area * pocket_weight(problem.sheet(), problem.patch.pocket_radius_mm, k);
+            let over = match problem.tissue {
+                Tissue::Sheet => area,
+                Tissue::Layered => {
+                    area * pocket_weight(problem.sheet(), problem.patch.pocket_radius_mm, k)
+                }
+            };
             patch += area;
             pocket += over;
             if state(solution, k) != Some(FieldState::Taut) {

@@ -54,7 +54,7 @@ pub(crate) trait ElasticModel {
         scratch: &mut Self::Scratch,
     );
 
-    /// The tension of the body: scale of residuals and most compressive principal tension.
+    /// The tension of the body: scale of residuals.
     fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Self::Scratch) -> Tension;
 
     /// Renews what stands for constraints of the model, such as the pressure of nearly incompressible tissue, after a cycle.
@@ -78,21 +78,8 @@ pub(crate) trait ElasticModel {
 pub(crate) struct Tension {
     /// Sum of squares of the cells' forces: the scale of residuals.
     pub(crate) squares: f64,
-    /// The most compressive tension, zero where the body is in tension everywhere.
-    pub(crate) least: f32,
     /// Is a cell inverted?
     pub(crate) has_inverted_cell: bool,
-}
-
-/// Compressive tension that may wrinkle the sheet, as a fraction of the mean tension \[-\].
-pub(crate) const COMPRESSIVE: f64 = 1e-2;
-
-impl Tension {
-    /// Does the compression exceed [`COMPRESSIVE`] times the mean tension over `nodes` nodes? The body may wrinkle
-    /// there.
-    pub(crate) fn is_compressive(&self, nodes: usize) -> bool {
-        f64::from(self.least).powi(2) * nodes as f64 > COMPRESSIVE * COMPRESSIVE * self.squares
-    }
 }
 
 /// A symmetric 3×3 block at every stored node: arrays of xx, xy, xz, yy, yz, zz.

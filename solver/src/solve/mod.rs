@@ -3,9 +3,7 @@
 //! Full multigrid in f32 lanes (`fas`) solves a centred dome on one quarter of the patch, a dome moved along an axis
 //! on half of the patch, for either tissue model (`multigrid`). Newton's method on nested grids in f64 is the fallback
 //! and refines solutions below the resolution of f32 (`newton_method`; of layered tissue after further attempts of multigrid
-//! with other constants). For a sheet Newton's method also resolves configurations with
-//! compressive stress up to the wrinkled equilibrium, and checks the stability of the paper's springs, whose energy has
-//! saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
+//! with other constants). It also checks the stability of the paper's springs, whose energy has saddle points. A piece of work is a few passes over the grid, so that a page can respond between two pieces.
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
@@ -329,6 +327,11 @@ impl Solver {
         {
             state = match state {
                 fas::State::Draft => fas::State::Working,
+                _ if self.is_pierced() => {
+                    self.invalid = Some(Invalid::Penetrated);
+                    self.end(Verdict::Unstable);
+                    return state;
+                }
                 _ => fas::State::Failed,
             };
         }
@@ -337,7 +340,10 @@ impl Solver {
             fas::State::Converged => {
                 let needs_newton = self.options.method == Method::Automatic && self.needs_newton();
                 if needs_newton && self.is_in_reach_of_newton() {
-                    self.start_newton(Start::FromSolution);
+                    // From rounding it would stall.
+                    let ending = self.multigrid.as_ref().map(Multigrid::ending);
+                    let is_rounding = ending.is_some_and(|ending| ending.has_rounded_forces);
+                    self.start_newton(if is_rounding { Start::Cold } else { Start::FromSolution });
                 } else if needs_newton {
                     self.end(Verdict::NotConverged);
                 } else {
@@ -367,15 +373,26 @@ impl Solver {
         state
     }
 
-    /// Does Newton's method continue from the multigrid solution? True below the resolution of f32; with contact
-    /// offsets far above the tolerance; under compression, where multigrid may stall before a wrinkled equilibrium;
-    /// for the paper's springs, whose stationary shape may be a saddle point.
+    /// Does the dome protrude from the multigrid solution of a sheet, other than by rounding? Newton's method would find the same:
+    /// the energy of coupled springs has no other minimum nearby.
+    fn is_pierced(&self) -> bool {
+        let is_coupled_sheet =
+            self.law.layered().is_none() && self.problem.springs == Springs::Coupled;
+        is_coupled_sheet
+            && self.multigrid.as_ref().is_some_and(|multigrid| {
+                !multigrid.ending().has_rounded_forces
+                    && multigrid.invalid(&self.problem) == Some(Invalid::Penetrated)
+            })
+    }
+
+    /// Does Newton's method continue from the multigrid solution? True below the resolution of f32, of positions or forces; with
+    /// contact offsets far above the tolerance; for the paper's springs, whose stationary shape may be a saddle point.
     fn needs_newton(&self) -> bool {
         let is_left = self.multigrid.as_ref().is_some_and(|multigrid| {
             let ending = multigrid.ending();
             self.problem.tolerance < multigrid.least_tolerance()
-                || self.law.layered().is_none()
-                    && (ending.is_compressive || ending.leaves_contact_offsets)
+                || ending.has_rounded_forces
+                || self.law.layered().is_none() && ending.leaves_contact_offsets
         });
         is_left || self.problem.springs == Springs::Nikolaev
     }

@@ -2,8 +2,8 @@
 
 use super::Problem;
 use super::fas::{
-    Ending, FullMultigrid, LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE, State,
-    Stop,
+    Ending, FullMultigrid, LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE,
+    MEMBRANE_GENTLE, State, Stop,
 };
 use super::problem::Tissue;
 use super::validity::Invalid;
@@ -12,6 +12,7 @@ use crate::model::layered::LayeredLaw;
 use crate::model::layered::lanes::Layered;
 use crate::model::membrane::lanes::Membrane;
 use crate::model::membrane::law::SheetLaw;
+use crate::springs::Springs;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -107,18 +108,28 @@ impl Multigrid {
     }
 
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
-        if let Self::Layered(scheme) = self {
-            // An earlier solve may have ended in another attempt.
-            scheme.set_parameters(&LAYERED);
+        // An earlier solve may have ended in another attempt.
+        match self {
+            Self::Sheet(scheme) => scheme.set_parameters(&MEMBRANE),
+            Self::Layered(scheme) => scheme.set_parameters(&LAYERED),
         }
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
-    /// Starts another attempt of layered tissue, by other constants; false for a sheet, which has one attempt, and after the last
-    /// attempt: the second over even tissue on a flat wall, else the third, unless one ended slowly near
+    /// Starts another attempt, by other constants; false after the last attempt: of a sheet the second, of the paper's springs the
+    /// first; of layered tissue the second over even tissue on a flat wall, else the third, unless one ended slowly near
     /// its solution, as skin in folds does in a hollow.
     pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
-        let Self::Layered(scheme) = self else { return false };
+        let scheme = match self {
+            Self::Sheet(scheme) => {
+                let has_another = attempt == 2 && problem.springs == Springs::Coupled;
+                if has_another {
+                    scheme.start_again(&MEMBRANE_GENTLE, problem, stop);
+                }
+                return has_another;
+            }
+            Self::Layered(scheme) => scheme,
+        };
         let (solids, is_even) = (problem.solids(), problem.rest.is_even());
         let only_stiffens = solids.iter().any(|solid| solid.curve.stiffens())
             && !solids.iter().any(|solid| solid.curve.softens());

@@ -38,6 +38,12 @@ impl Problem {
         [0, 1].map(|axis| rest[axis] && obstacle[axis])
     }
 
+    /// Does the membrane wrinkle instead of being compressed? Of coupled springs; the paper's push.
+    #[must_use]
+    pub fn wrinkles(&self) -> bool {
+        self.springs == Springs::Coupled
+    }
+
     /// The layers of the membrane: all layers of a sheet, the skin of layered tissue.
     #[must_use]
     pub fn membrane(&self) -> &[Material] {

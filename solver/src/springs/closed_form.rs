@@ -6,7 +6,7 @@
 //!
 //! P = α + β/t, Q = β/(t s), α = Σ sec/(1+ν), β = Σ sec·(ν(t−1) − 1)/(1−ν²), sec = h·Ef(ē)/ē.
 //!
-//! In a tension field (`is_tension_field`: skin that wrinkles instead of being compressed) S₂ = P + Q λ₁² < 0 is replaced by
+//! The membrane wrinkles instead of being compressed: S₂ = P + Q λ₁² < 0 is replaced by
 //! uniaxial tension, S₂ = 0 and S₁ = Ef(λ₁ − 1)/λ₁, or by none. λ₁ − λ₂ = √D/t comes from the metric itself,
 //! D = (λ₁² − λ₂²)²: the difference t² − 4s of the invariants would cancel in f32.
 //!
@@ -21,8 +21,8 @@ const MIN_NORMAL_STIFFNESS: f64 = 1e-4;
 const MIN_TENSION: f64 = 0.1;
 /// ē² below which the secant's slope over ē is damped \[-\]; the vectors that the quotient multiplies vanish there.
 const SMALL_STRAIN: f64 = 1e-6;
-/// Least D = (λ₁² − λ₂²)² of a wrinkled triangle \[-\]; a slack triangle has no tension at any D.
-const MIN_SPREAD: f64 = 1e-20;
+/// Least D = (λ₁² − λ₂²)² of a wrinkled triangle \[-\], against a division by zero.
+const MIN_SPREAD: f64 = 1e-30;
 /// Squared relative area below which a triangle counts as this much \[-\].
 const MIN_AREA: f64 = 1e-10;
 
@@ -40,8 +40,6 @@ pub(crate) struct Group<R: Real, T> {
     plane: R,
     /// 1/(1 + ν).
     shear: R,
-    /// Is compression relaxed, by wrinkles finer than any grid?
-    is_tension_field: bool,
 }
 
 /// The numbers of a [`Group`].
@@ -52,8 +50,6 @@ pub(crate) struct GroupNumbers {
     pub(crate) end: f64,
     pub(crate) line_slope: f64,
     pub(crate) line_offset: f64,
-    /// Is compression relaxed?
-    pub(crate) is_tension_field: bool,
 }
 
 /// Second derivative of a triangle's energy by one node,
@@ -86,10 +82,8 @@ pub(crate) fn trace_of_stretch<R: Real>(i1: R, s: R) -> R {
 impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
     /// A group whose tensions are those of the numbers times `scale`.
     pub(crate) fn new(numbers: GroupNumbers, secant: T, scale: f64) -> Self {
-        let GroupNumbers { poisson_ratio: nu, end, line_slope, line_offset, is_tension_field } =
-            numbers;
+        let GroupNumbers { poisson_ratio: nu, end, line_slope, line_offset } = numbers;
         Self {
-            is_tension_field,
             secant,
             end: R::splat(end),
             line_slope: R::splat(line_slope * scale),
@@ -140,7 +134,7 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
         let secant = self.secant(self.equivalent_strain(i1, t));
         let q = secant * (((t - one) * self.nu - one) * self.plane) * inverse;
         let p = secant * self.shear + q * s;
-        if self.is_tension_field { self.relaxed([p, q], t, spread()) } else { (p, q) }
+        self.relaxed([p, q], t, spread())
     }
 
     /// P and Q of triangles that are not compressed: where P + Q λ₁² < 0, those of uniaxial tension along the first direction,
@@ -157,7 +151,10 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
             return (p, q);
         }
         let pulled = strain.max(zero);
-        let along = self.secant(pulled) * pulled / (first * difference);
+        // Wrinkled, λ₁ − λ₂ is at least (1 + ν)ε₁: the bound is exact, and without it a triangle at rest would pull by its rounding.
+        let secant = self.secant(pulled);
+        let along = secant * pulled / (first * difference);
+        let along = along.min(secant * self.shear / (first * t));
         (R::select(is_wrinkled, along * square, p), R::select(is_wrinkled, -along, q))
     }
 }
@@ -187,7 +184,7 @@ pub(crate) fn tension<R: Real, T: AsRef<Buckets<R>>>(
     (p, q)
 }
 
-/// The stiffness of all groups, in a tension field that before relaxation: an upper bound.
+/// The stiffness of all groups before relaxation: an upper bound.
 #[inline(always)]
 pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
     groups: &[Group<R, T>],

@@ -58,11 +58,8 @@ mod tests {
     fn the_state_is_that_of_the_tensions_of_the_law() {
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
         for poisson_ratio in [0.0, 0.3, 0.45, 0.5] {
-            let law = CoupledLaw::tension_field(&[LawLayer {
-                curve: &curve,
-                poisson_ratio,
-                thickness_mm: 1.0,
-            }]);
+            let law =
+                CoupledLaw::new(&[LawLayer { curve: &curve, poisson_ratio, thickness_mm: 1.0 }]);
             let mut counts = [0; 3];
             for k in 0..4000 {
                 let t = f64::from(k);

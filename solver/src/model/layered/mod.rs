@@ -20,8 +20,8 @@ pub(crate) mod tangent;
 mod variation;
 
 use super::membrane::law::SheetLaw;
-use crate::springs::Material;
 use crate::springs::table::{Buckets, Table};
+use crate::springs::{Material, Springs};
 use curve_law::CurveLaw;
 use wide::f32x4;
 
@@ -43,7 +43,7 @@ impl LayeredLaw {
     pub fn new(materials: &[Material]) -> Self {
         let (skin, solids) = materials.split_at(materials.len().min(1));
         Self {
-            skin: SheetLaw::of_skin(skin),
+            skin: SheetLaw::new(Springs::Coupled, skin),
             solids: solids.iter().rev().map(CurveLaw::new).collect(),
         }
     }

@@ -12,7 +12,6 @@ use super::triangle::{Principal, Rest};
 use crate::mesh::part::Part;
 use crate::mesh::stencil::{BlockStencil9, outer};
 use crate::mesh::{CellKind, Surface};
-use crate::model::COMPRESSIVE;
 use crate::springs::coupled::CoupledLaw;
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
@@ -40,9 +39,6 @@ pub struct Totals {
     pub energy: f64,
     /// Sum of the squared forces that triangles exert on their nodes \[(kPa·mm²)²\].
     squared_forces: f64,
-    triangles: u32,
-    /// The greatest compression of a triangle, as tension² × area \[(kPa·mm²)²\]; of coupled springs alone.
-    greatest_compression: f64,
     /// Is a spring outside of the domain of its law?
     pub(crate) outside_law: bool,
 }
@@ -51,14 +47,6 @@ impl Totals {
     /// Root of the sum of the squared forces of all triangles \[kPa·mm²\]: the scale of residuals.
     pub fn force_scale(&self) -> f64 {
         self.squared_forces.sqrt()
-    }
-
-    /// Is the compression of a triangle more than a fraction of the mean tension? The sheet may wrinkle there.
-    /// `force_scale` is [`Self::force_scale`], or more where that scale is rounding.
-    pub(crate) fn is_compressive(&self, force_scale: f64) -> bool {
-        // Of a triangle in tension t along one direction, the forces' squares sum to t² × area.
-        let mean_tension = force_scale.powi(2) / f64::from(self.triangles.max(1));
-        self.greatest_compression > COMPRESSIVE * COMPRESSIVE * mean_tension
     }
 }
 
@@ -252,7 +240,6 @@ fn accumulate(
                     x: nodes.map(|k| x[k]),
                     forces: [DVec3::ZERO; 3],
                     blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),
-                    compression: 0.0,
                 };
                 match law {
                     SheetLaw::Coupled(law) => totals.energy += triangle.add_coupled(law),
@@ -262,8 +249,6 @@ fn accumulate(
                         totals.outside_law |= outside;
                     }
                 }
-                totals.triangles += 1;
-                totals.greatest_compression = totals.greatest_compression.max(triangle.compression);
                 for (k, force) in nodes.into_iter().zip(triangle.forces) {
                     forces[k] += force;
                     totals.squared_forces += force.length_squared();
@@ -290,8 +275,6 @@ struct Triangle<'a> {
     forces: [DVec3; 3],
     /// Which Hessian, the triangle's corners in its cell, the cell's blocks.
     blocks: Option<(Stiffness, &'a [usize; 3], &'a mut [DMat3; 10])>,
-    /// Its compression, tension² × area \[(kPa·mm²)²\].
-    compression: f64,
 }
 
 impl Triangle<'_> {
@@ -310,7 +293,6 @@ impl Triangle<'_> {
         let along = self.rest.gradients.map(|g| (g.dot(n1), g.dot(n2)));
         let response = law.response(strain);
         let [t1, t2] = response.tension;
-        self.compression = t1.min(t2).min(0.0).powi(2) * area;
         for (force, (p, q)) in self.forces.iter_mut().zip(along) {
             *force = (u1 * (t1 * p) + u2 * (t2 * q)) * -area;
         }

@@ -27,11 +27,6 @@ pub struct PaperLaw {
     pub diagonal: Table,
 }
 
-/// The law of coupled springs for a stack of layers.
-pub(crate) fn coupled_law(materials: &[Material]) -> CoupledLaw {
-    CoupledLaw::new(&law_layers(materials))
-}
-
 fn law_layers(materials: &[Material]) -> Vec<LawLayer<'_>> {
     materials
         .iter()
@@ -44,16 +39,11 @@ fn law_layers(materials: &[Material]) -> Vec<LawLayer<'_>> {
 }
 
 impl SheetLaw {
-    /// The law of the skin of layered tissue, which wrinkles instead of being compressed.
-    pub(crate) fn of_skin(skin: &[Material]) -> Self {
-        Self::Coupled(CoupledLaw::tension_field(&law_layers(skin)))
-    }
-
     /// The law of the given springs and layers.
     #[must_use]
     pub(crate) fn new(springs: Springs, materials: &[Material]) -> Self {
         match springs {
-            Springs::Coupled => Self::Coupled(coupled_law(materials)),
+            Springs::Coupled => Self::Coupled(CoupledLaw::new(&law_layers(materials))),
             Springs::Nikolaev => Self::Paper(PaperLaw::new(materials)),
         }
     }

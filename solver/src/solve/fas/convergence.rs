@@ -1,4 +1,4 @@
-//! Convergence of full multigrid: error estimate, balance of forces, contact offsets, relaxation of oscillations.
+//! Convergence of full multigrid: error estimate, balance of forces, contact offsets, mixing of cycles.
 //!
 //! The error after a cycle is estimated from the change of the cycle and the ratio ρ of the last two changes, as
 //! the sum of a geometric series; constants of [`Parameters`], R the base radius, `residual` the relative residual:
@@ -23,6 +23,9 @@ use crate::model::ElasticModel;
 /// side with tolerance 1e-4 four ended above the tolerance without, none with it.
 const NEAR_END: f64 = 0.1;
 
+/// Length of the step D⁻¹r of a residual that is negligible \[tolerance\].
+const NEGLIGIBLE_STEP: f64 = 0.1;
+
 /// Output of a convergence test.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct Ending {
@@ -30,8 +33,8 @@ pub(in crate::solve) struct Ending {
     pub(in crate::solve) error: f64,
     /// Norm of the nodal forces without contact forces, relative to the forces of the cells \[-\].
     pub(in crate::solve) relative_residual: f64,
-    /// Is a tension compressive? The sheet may be nearly stationary on its path to a wrinkled equilibrium.
-    pub(in crate::solve) is_compressive: bool,
+    /// Are the forces of a nearly slack sheet rounding, at positions within the tolerance?
+    pub(in crate::solve) has_rounded_forces: bool,
     /// Is a cell of layered tissue inverted?
     pub(in crate::solve) has_inverted_cell: bool,
     /// Do contact offsets exceed `max_contact_offset`, so that the active set has to be found in f64?
@@ -42,7 +45,7 @@ impl Ending {
     const NONE: Self = Self {
         error: f64::INFINITY,
         relative_residual: f64::INFINITY,
-        is_compressive: false,
+        has_rounded_forces: false,
         has_inverted_cell: false,
         leaves_contact_offsets: false,
     };
@@ -79,10 +82,10 @@ pub(super) struct Convergence {
     residual_squares: Option<f64>,
     /// The change of the last cycle \[mm\].
     last_change: f64,
-    /// The change of the last cycle as a field of the finest grid, unless a relaxation followed.
+    /// The change of the last cycle as a field of the finest grid.
     last_update: Field,
     has_last_update: bool,
-    /// The result of the last cycle before mixing; empty unless cycles are mixed.
+    /// The result of the last cycle before mixing.
     last_result: Field,
     /// Convergence factors of the last two cycles without mixing \[-\], zero while unknown.
     unmixed_rates: [f64; 2],
@@ -90,7 +93,7 @@ pub(super) struct Convergence {
 }
 
 impl Convergence {
-    /// `last_update` is a field of the finest grid, and `last_result` where cycles are mixed.
+    /// `last_update` and `last_result` are fields of the finest grid.
     pub(super) fn new(last_update: Field, last_result: Field) -> Self {
         Self {
             cycles: 0,
@@ -181,8 +184,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
         };
         let is_enough = convergence.ending.error <= tolerance * *reference_length;
         if is_enough || convergence.cycles >= most {
-            // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well.
-            if self.grid == self.parameters.first_grid && !is_enough {
+            // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well. A sheet on
+            // a few nodes may wander where finer grids converge.
+            let is_layered = self.model.layers() > 1;
+            if self.grid == self.parameters.first_grid && !is_enough && is_layered {
                 return State::Failed;
             }
             self.refine();
@@ -240,11 +245,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if self.stop == Stop::Tolerance && is_exhausted {
             return State::Failed;
         }
-        if self.parameters.mixes {
-            self.mix();
-        } else {
-            self.aitken_relax();
-        }
+        self.mix();
         self.begin_cycle();
         let error = self.convergence.ending.error;
         if self.draft_tolerance.is_some_and(|draft| error <= draft * self.reference_length) {
@@ -269,11 +270,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
     }
 
     /// Tests the balance of forces: a small residual is convergence; `max_stagnations` tests whose residual fell by
-    /// less than `stagnation_factor` since the previous test are failure.
+    /// less than `stagnation_factor` since the previous test are the end. It is convergence if the residual moves no node of a
+    /// sheet by a fraction of the tolerance: the forces of a nearly slack sheet are rounding.
     fn check_balance(&mut self) -> State {
         self.find_relative_residual();
+        let is_at_rest = self.is_residual_negligible();
         let Self { convergence, reference_length, tolerance, parameters, .. } = self;
         let residual = convergence.ending.relative_residual;
+        let by_change = convergence.ending.error + convergence.neglected_offset;
         let least = parameters.error_per_residual * residual * *reference_length;
         convergence.ending.error =
             convergence.ending.error.max(least) + convergence.neglected_offset;
@@ -287,15 +291,32 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if is_balanced || self.stop != Stop::Tolerance {
             return State::Converged;
         }
-        let convergence = &mut self.convergence;
         let is_stagnant = residual > parameters.stagnation_factor * convergence.stagnation_residual;
         convergence.stagnations += u32::from(is_stagnant);
         convergence.stagnation_residual = residual;
-        let has_failed = convergence.stagnations >= parameters.max_stagnations;
-        if has_failed { State::Failed } else { State::Working }
+        let is_end = convergence.stagnations >= parameters.max_stagnations;
+        if is_stagnant && !is_at_rest && self.grid > 0 && self.model.layers() == 1 {
+            // The correction of a coarser grid with another active set may undo what the smoother does.
+            self.mode = Mode::Robust;
+        }
+        if !is_end {
+            return State::Working;
+        }
+        if is_at_rest && by_change <= *tolerance * *reference_length {
+            convergence.ending.error = by_change;
+            convergence.ending.has_rounded_forces = true;
+            return State::Converged;
+        }
+        State::Failed
     }
 
-    /// Computes the relative residual, and whether a tension is compressive.
+    /// Does D⁻¹r of a sheet move no node by more than [`NEGLIGIBLE_STEP`]?
+    fn is_residual_negligible(&self) -> bool {
+        let step = self.grid_spacing() * f64::from(self.levels[self.grid].greatest_step());
+        self.model.layers() == 1 && step <= NEGLIGIBLE_STEP * self.tolerance * self.reference_length
+    }
+
+    /// Computes the relative residual.
     fn find_relative_residual(&mut self) {
         let grid = self.grid;
         let level = &mut self.levels[grid];
@@ -306,7 +327,6 @@ impl<M: ElasticModel> FullMultigrid<M> {
         // The lower bound keeps rounding from being compared with rounding in a sheet at rest.
         ending.relative_residual = (squares / tension.squares.max(1e-18)).sqrt();
         ending.has_inverted_cell = tension.has_inverted_cell;
-        ending.is_compressive = tension.is_compressive(level.layout.free_nodes());
         self.count(grid, if known.is_some() { 0.5 } else { 1.5 });
     }
 
@@ -376,27 +396,5 @@ impl<M: ElasticModel> FullMultigrid<M> {
             last_result.copy_from(u);
         }
         self.convergence.has_last_update = true;
-    }
-
-    /// Relaxes an oscillating change: coarse grids are slightly too soft at the contact edge, where the sheet may
-    /// oscillate from cycle to cycle (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46, 1926, for one
-    /// vector).
-    fn aitken_relax(&mut self) {
-        let parameters = self.parameters;
-        let level = &mut self.levels[self.grid];
-        let Level { layout, u, before, .. } = level;
-        let convergence = &mut self.convergence;
-        let last_update = &mut convergence.last_update;
-        let [product, square, _] = layout.products(u, before, last_update);
-        let rho = if convergence.has_last_update && square > 0.0 { product / square } else { 0.0 };
-        let oscillates = rho <= parameters.oscillation || rho.is_nan();
-        convergence.has_last_update = !oscillates;
-        if oscillates {
-            u.blend(before, (rho / (rho - 1.0)) as f32);
-            level.project_feasible();
-            convergence.forget_changes();
-        } else {
-            last_update.set_difference(u, before);
-        }
     }
 }

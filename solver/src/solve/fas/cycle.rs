@@ -12,7 +12,7 @@
 //!    the grid being solved was slow (W. Hackbusch and A. Reusken, Numer. Math. 55, 1989).
 //! 5. Smooth as in step 1, with each ω of `smoothing.after`.
 //!
-//! After the cycle the check of convergence mixes the results of the last two cycles (`mixes`, layered tissue).
+//! After the cycle the check of convergence mixes the results of the last two cycles.
 //!
 //! A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31, 1977.
 

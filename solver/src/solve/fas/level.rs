@@ -205,10 +205,15 @@ impl<M: ElasticModel> Level<M> {
     /// Is the step of the residual at the rounding level of f32? On a flat dome strains are small differences
     /// of positions.
     pub(super) fn is_rounded(&self, roundings: f32) -> bool {
-        let Self { layout, u, f, inverse, .. } = self;
+        let Self { layout, u, .. } = self;
         let farthest = layout.greatest_length(|k| u.at(k)).max(1.0);
-        let step = layout.greatest_length(|k| inverse.inner().times(k, f.at(k)));
-        step <= roundings * f32::EPSILON * farthest
+        self.greatest_step() <= roundings * f32::EPSILON * farthest
+    }
+
+    /// The greatest length of D⁻¹r on the inner face \[spacings\], `f` being the residual r.
+    pub(super) fn greatest_step(&self) -> f32 {
+        let Self { layout, f, inverse, .. } = self;
+        layout.greatest_length(|k| inverse.inner().times(k, f.at(k)))
     }
 
     pub(super) fn tension(&mut self, model: &M) -> Tension {

@@ -30,7 +30,9 @@ use cycle::Step;
 use glam::DVec3;
 use level::Level;
 use parameters::Parameters;
-pub(super) use parameters::{LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE};
+pub(super) use parameters::{
+    LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE, MEMBRANE_GENTLE,
+};
 use std::iter::successors;
 
 /// State of the scheme.
@@ -137,11 +139,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             mode: Mode::Fast,
             convergence: Convergence::new(
                 Field::new(finest, model.layers()),
-                if parameters.mixes {
-                    Field::new(finest, model.layers())
-                } else {
-                    Field::default()
-                },
+                Field::new(finest, model.layers()),
             ),
             coarse_solution: levels
                 .iter()

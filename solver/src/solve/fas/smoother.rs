@@ -101,12 +101,13 @@ fn shortening(step: Vec3) -> f32x4 {
     (f32x4::splat(MAX_STEP) / length).fast_min(f32x4::ONE)
 }
 
-/// The step d = ω D⁻¹r, bounded by [`MAX_STEP`], then shortened by the hardening of the adjacent springs:
-/// d ← d/√(1 + HARDENING·|d|⁴/(ω r·d)), see [`HARDENING`].
+/// The step d = ω D⁻¹r, shortened to [`MAX_STEP`], then by the hardening of the adjacent springs:
+/// d ← d/√(1 + HARDENING·|d|⁴/(ω r·d)), see [`HARDENING`]. The direction stays: on the dome a large part of r is the reaction, and a
+/// step in another direction would have other fixed points.
 #[inline(always)]
 fn hardened(r: Vec3, newton_step: Vec3, omega: f32) -> Vec3 {
-    let most = f32x4::splat(MAX_STEP);
-    let d = newton_step.map(|d| (d * omega).fast_max(-most).fast_min(most));
+    let d = scale(newton_step, f32x4::splat(omega));
+    let d = scale(d, shortening(d));
     let square = dot(d, d);
     let hardening = square * square * HARDENING / (dot(r, d) * omega).fast_max(f32x4::splat(1e-30));
     let factor = f32x4::ONE / (hardening + 1.0).sqrt();

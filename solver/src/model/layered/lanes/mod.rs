@@ -272,7 +272,6 @@ impl ElasticModel for Layered {
             self.add_tension(layout, shapes, u, scratch, &mut tension);
         });
         // Only the skin may wrinkle, and its bending is not resolved: no other method does better.
-        tension.least = 0.0;
         tension
     }
 

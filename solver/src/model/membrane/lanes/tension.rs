@@ -1,4 +1,4 @@
-//! The tension of a coupled sheet: scale of residuals, compression.
+//! The tension of a coupled sheet: scale of residuals.
 
 use super::Scratch;
 use super::coupled::{CoupledLanes, Law};
@@ -6,17 +6,15 @@ use super::forces::{Row, measure_row};
 use crate::mesh::lanes::{Field, Layout};
 use crate::model::Tension;
 use crate::springs::closed_form::spread;
-use wide::f32x4;
 
-/// The tension of the whole cells: what the sheet pulls at the two edges B and L of every cell, squared, and
-/// the least principal tension.
+/// The tension of the whole cells: what the sheet pulls at the two edges B and L of every cell, squared.
 pub(super) fn tension(
     layout: &Layout,
     law: &CoupledLanes,
     u: &Field,
     scratch: &mut Scratch,
 ) -> Tension {
-    let (mut sum, mut least) = (0.0, f32x4::ZERO);
+    let mut sum = 0.0;
     for counted in layout.cell_rows() {
         let (start, count) = (counted.start, counted.groups);
         let row = &mut scratch.row[..count];
@@ -32,14 +30,11 @@ pub(super) fn tension(
                 + m12 * m12 * (g11 + g22);
             let counts = counted.counts(b);
             sum += f64::from((squares & counts).reduce_add());
-            let (mean, half) = ((m11 + m22) * f32x4::HALF, (m11 - m22) * f32x4::HALF);
-            least = least.fast_min((mean - (half * half + m12 * m12).sqrt()) & counts);
         }
     }
     if layout.cell_rows().next().is_none() {
         // A curved surface has no regular cells.
         sum = scratch.border.squares(law.groups(), u, &mut scratch.on_border);
     }
-    let least = least.to_array().into_iter().fold(0.0, f32::min);
-    Tension { squares: sum, least, ..Tension::default() }
+    Tension { squares: sum, ..Tension::default() }
 }

@@ -7,9 +7,6 @@ use crate::model::membrane::assembly;
 use crate::model::membrane::law::SheetLaw;
 use glam::DVec3;
 
-/// Greatest number of exact steps with the paper's springs: near an instability exact steps may continue without end.
-const MAX_EXACT_STEPS: u32 = 10;
-
 /// Completed checks of a converged solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::solve) struct Checks {
@@ -17,8 +14,6 @@ pub(in crate::solve) struct Checks {
     is_stability_checked: bool,
     /// Have contact offsets been computed?
     are_offsets_searched: bool,
-    /// Number of exact steps.
-    exact_steps: u32,
 }
 
 impl SheetNewton {
@@ -27,19 +22,9 @@ impl SheetNewton {
         let is_paper = matches!(case.law, SheetLaw::Paper(_));
         let is_converged = state == State::Converged;
         // The energy of the paper's springs has saddle points.
-        if is_paper && !checks.is_stability_checked && !self.system.robust.is_exact_step() {
+        if is_paper && !checks.is_stability_checked {
             checks.is_stability_checked = true;
             self.begin_stability(state);
-            return State::Working;
-        }
-        if is_converged && self.needs_exact_step(case.law) {
-            checks.exact_steps += 1;
-            if is_paper && checks.exact_steps > MAX_EXACT_STEPS {
-                return self.finish(case, State::Stalled);
-            }
-            // The exact step changes the shape.
-            checks.is_stability_checked = false;
-            self.begin_exact_step();
             return State::Working;
         }
         if is_converged && !is_paper && !checks.are_offsets_searched {

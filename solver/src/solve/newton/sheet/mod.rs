@@ -27,7 +27,7 @@ use finish::Checks;
 use glam::{DMat3, DVec3};
 use parameters::{CELLS_PER_PIECE, PARAMETERS, cost};
 pub(in crate::solve) use robust::symmetry::Mirrors;
-use robust::{HessianUse, Robust, SafeguardPhase};
+use robust::{Robust, SafeguardPhase};
 
 /// Least scale of forces \[small-strain stiffness × spacing\]: in a sheet at rest the forces are rounding.
 const MIN_FORCE_SCALE: f64 = 1e-9;
@@ -122,7 +122,6 @@ impl System for SheetSystem {
     }
 
     fn complete(newton: &mut SheetNewton, case: &SheetCase) -> Option<State> {
-        newton.system.robust.hessian = HessianUse::Positive;
         if newton.has_diverged(&case.obstacle) {
             return Some(State::Unstable);
         }
@@ -205,9 +204,8 @@ impl System for SheetSystem {
         newton.symmetrize_step();
     }
 
-    /// Contact may turn the exact Hessian's step into an ascent; a shorter step may still descend.
     fn is_uphill(&self, trial: &Trial) -> bool {
-        trial.predicted <= 0.0 && !self.robust.is_exact_step()
+        trial.predicted <= 0.0
     }
 
     fn reject_step(newton: &mut SheetNewton, is_uphill: bool) -> State {
@@ -223,19 +221,13 @@ impl System for SheetSystem {
         is_full: bool,
     ) -> State {
         let step = newton.system.robust.accept_step(is_full, newton.iterations);
-        let is_compressive = newton.is_compressive(case.law);
         let growth = newton.system.robust.step_growth;
-        newton.estimate_error(trial, step.is_whole, growth, growth > 1.0 || is_compressive);
+        newton.estimate_error(trial, step.is_whole, growth, growth > 1.0);
         newton.error += newton.system.last_round.min(trial.largest);
         newton.error += newton.system.robust.extrapolation;
         newton.system.robust.decay_extrapolation();
         let has_growth = step.is_whole && newton.is_too_short(trial);
-        let max_residual = if is_compressive {
-            PARAMETERS.max_compressive_residual
-        } else {
-            Self::PARAMETERS.max_residual_before_step
-        };
-        if newton.has_converged(trial, case, max_residual)
+        if newton.has_converged(trial, case, Self::PARAMETERS.max_residual_before_step)
             && (!has_growth || growth > 1.0)
             && let Some(ending) = newton.system.robust.confirm(step)
         {
@@ -302,11 +294,6 @@ impl SheetNewton {
             is_definite &= is_positive_definite(block);
         }
         is_definite
-    }
-
-    fn is_compressive(&self, law: &SheetLaw) -> bool {
-        let scale = self.system.force_scale(&self.grid, law);
-        self.system.totals.is_compressive(scale)
     }
 }
 

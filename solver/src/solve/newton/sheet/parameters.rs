@@ -14,8 +14,6 @@ pub(super) struct Parameters {
     pub(super) cg_drop: f64,
     /// Residual below which conjugate gradients are skipped, relative to the forces of all triangles \[-\].
     pub(super) cg_floor: f64,
-    /// Greatest relative residual before the last step under compression \[-\]: small steps may precede a wrinkle.
-    pub(super) max_compressive_residual: f64,
     /// Greatest relative residual of a solution \[-\]. Fixed by `slow-final-steps`.
     pub(super) max_residual: f64,
 }
@@ -27,7 +25,6 @@ pub(super) const PARAMETERS: Parameters = Parameters {
     max_cg_steps: 12,
     cg_drop: 0.3,
     cg_floor: 1e-16,
-    max_compressive_residual: 1e-4,
     max_residual: 0.01,
 };
 

@@ -3,36 +3,23 @@
 //! Each file is one safeguard with symptom, cause, remedy and its scene in `tests/stress`. No safeguard acts in
 //! scenes that full multigrid solves.
 //!
-//! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step lowers the energy) |
-//! `step_extension`, `partan` (the model is too stiff) | `exact_step` (the model is much too stiff) | `domain`
+//! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step lowers the energy) | `step_extension`, `partan` (the model is too stiff) | `domain`
 //! (springs outside of their law's domain) | `stability` (saddle points of the paper's springs) | `symmetry`.
 
 mod curvature;
 mod domain;
-mod exact_step;
 mod partan;
 mod stability;
 mod step_extension;
 mod sweeps;
 pub(super) mod symmetry;
 
-use super::{
-    CgState, Phase, Piece, SheetCase, SheetNewton, SheetSystem, State, System, Trial, cost,
-};
+use super::{Phase, Piece, SheetCase, SheetNewton, SheetSystem, State, System, Trial, cost};
 use crate::contact::{Dome, TOUCH_F64};
 use crate::model::membrane::assembly::Stiffness;
 use curvature::{AcceptedStep, Curvature};
 use glam::DVec3;
 use symmetry::{Mirror, Mirrors};
-
-/// The Hessian of the current step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum HessianUse {
-    /// The positive semidefinite model.
-    Positive,
-    /// The exact Hessian, with negative modes.
-    Exact,
-}
 
 /// Methods of one iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,9 +34,6 @@ pub(super) struct Robust {
     mirrors: Vec<Mirror>,
     curvature: Curvature,
     step_method: StepMethod,
-    pub(super) hessian: HessianUse,
-    /// Number of consecutive exact steps without a decrease of the energy.
-    blocked: u32,
     /// Number of consecutive iterations with springs outside of their law's domain.
     outside: u32,
     /// Greatest accepted extension of a step so far \[-\].
@@ -66,10 +50,8 @@ pub(super) struct Robust {
 pub(in crate::solve) enum SafeguardPhase {
     /// Extends a step or the sum of the last two steps; `energy` is the energy to undercut.
     Extend { length: f64, energy: f64, direction: Direction },
-    /// Assembles rows of the exact Hessian from `row` on.
-    ExactHessian { row: usize, purpose: Purpose },
-    /// Conjugate gradients on the exact Hessian.
-    ExactStep(CgState),
+    /// Assembles rows of the exact Hessian from `row` on; the iteration of a stable shape ends in `after`.
+    ExactHessian { row: usize, after: State },
     /// Searches the least eigenvalue of the exact Hessian; ends in `after` unless the eigenvalue is negative.
     Stability { step: u32, after: State },
 }
@@ -82,23 +64,12 @@ pub(in crate::solve) enum Direction {
     TwoSteps,
 }
 
-/// Purpose of the exact Hessian.
-#[derive(Clone, Copy)]
-pub(in crate::solve) enum Purpose {
-    /// Stability of the shape; the iteration of a stable shape ends in the contained state.
-    Stability(State),
-    /// The step of the exact Hessian.
-    Step,
-}
-
 impl Robust {
     pub(super) fn new(size: usize) -> Self {
         Self {
             mirrors: Vec::new(),
             curvature: Curvature::default(),
             step_method: StepMethod::SweepsAndGradients,
-            hessian: HessianUse::Positive,
-            blocked: 0,
             outside: 0,
             step_growth: 1.0,
             extrapolation: 0.0,
@@ -112,7 +83,6 @@ impl Robust {
         self.mirrors = mirrors.of(dome);
         self.curvature = Curvature::default();
         self.step_method = StepMethod::SweepsAndGradients;
-        self.blocked = 0;
         self.outside = 0;
         self.step_growth = 1.0;
         self.extrapolation = 0.0;
@@ -123,15 +93,8 @@ impl Robust {
         self.step_method == StepMethod::SweepsOnly
     }
 
-    pub(super) fn is_exact_step(&self) -> bool {
-        self.hessian == HessianUse::Exact
-    }
-
     /// Records an accepted step of the line search; `is_full` at length one.
     pub(super) fn accept_step(&mut self, is_full: bool, iterations: u32) -> AcceptedStep {
-        if self.is_exact_step() {
-            self.blocked = 0;
-        }
         let had_curvature = self.has_curvature();
         let is_whole = is_full && !self.has_sweeps_only();
         if is_full {
@@ -150,45 +113,39 @@ impl SheetNewton {
                 self.extend(case, length, energy, direction);
                 State::Working
             }
-            SafeguardPhase::ExactHessian { row, purpose } => {
-                self.assemble_exact_hessian(case, row, purpose);
+            SafeguardPhase::ExactHessian { row, after } => {
+                self.assemble_exact_hessian(case, row, after);
                 State::Working
             }
-            SafeguardPhase::ExactStep(cg) => self.exact_cg(case, cg),
             SafeguardPhase::Stability { step, after } => {
                 self.search_eigenvalue(case.law, step, after)
             }
         }
     }
 
-    /// Assembles rows of the exact Hessian; after the last row adds the contact and begins the purpose.
-    fn assemble_exact_hessian(&mut self, case: &SheetCase, row: usize, purpose: Purpose) {
+    /// Assembles rows of the exact Hessian; after the last row adds the contact and begins the search of the least eigenvalue.
+    fn assemble_exact_hessian(&mut self, case: &SheetCase, row: usize, after: State) {
         if row == 0 {
             self.work_units += SheetSystem::PARAMETERS.cost.linearize;
         }
         if let Some(row) = self.add_rows(case.law, row, Stiffness::True) {
-            let phase = SafeguardPhase::ExactHessian { row, purpose };
+            let phase = SafeguardPhase::ExactHessian { row, after };
             self.phase = Phase::Own(Piece::Robust(phase));
             return;
         }
         self.find_contact(&case.obstacle, TOUCH_F64);
         self.add_curvature();
         (0..self.grid.free.len()).for_each(|k| self.constrain(self.grid.free[k] as usize));
-        match purpose {
-            Purpose::Stability(after) => self.begin_eigenvalue_search(after),
-            Purpose::Step => self.begin_exact_cg(),
-        }
+        self.begin_eigenvalue_search(after);
     }
 
     /// Ends a line search without a decrease of the energy.
     pub(super) fn reject_step(&mut self, is_uphill: bool) -> State {
-        if self.count_blocked_step() {
-            return State::Converged;
-        }
         if self.turns_to_sweeps(is_uphill) || self.turns_curvature_off() {
-            return State::Working;
+            State::Working
+        } else {
+            State::Stalled
         }
-        State::Stalled
     }
 
     /// Continues from a slightly changed shape with the previous error and the previous stiffness of the model.

@@ -4,7 +4,7 @@
 //! eigenvalue of the exact Hessian, by preconditioned descent of the Rayleigh quotient (A. V. Knyazev, "Preconditioned
 //! eigensolvers", ETNA 7, 1998).
 
-use super::{Phase, Piece, Purpose, SafeguardPhase, SheetNewton, State, System, cost};
+use super::{Phase, Piece, SafeguardPhase, SheetNewton, State, System, cost};
 use crate::model::membrane::law::SheetLaw;
 use crate::solve::newton::conjugate_gradients::{Vectors, project};
 use glam::DVec3;
@@ -20,8 +20,7 @@ const ROUNDING: f64 = 1e-14;
 impl SheetNewton {
     /// Begins the search for the least eigenvalue; [`Self::step`] ends in `after` unless the eigenvalue is negative.
     pub(in crate::solve::newton::sheet) fn begin_stability(&mut self, after: State) {
-        let purpose = Purpose::Stability(after);
-        self.phase = Phase::Own(Piece::Robust(SafeguardPhase::ExactHessian { row: 0, purpose }));
+        self.phase = Phase::Own(Piece::Robust(SafeguardPhase::ExactHessian { row: 0, after }));
     }
 
     /// Begins with a direction that contains all wavelengths.

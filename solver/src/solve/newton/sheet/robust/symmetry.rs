@@ -31,15 +31,6 @@ impl SheetNewton {
         symmetrize(&self.system.robust.mirrors, self.grid.sheet(), &self.grid.free, &mut self.x[0]);
     }
 
-    pub(super) fn symmetrize_correction(&mut self) {
-        symmetrize(
-            &self.system.robust.mirrors,
-            self.grid.sheet(),
-            &self.grid.free,
-            &mut self.system.q[0],
-        );
-    }
-
     /// Symmetrises the step and the active constraints.
     pub(in crate::solve::newton::sheet) fn symmetrize_step(&mut self) {
         symmetrize(&self.system.robust.mirrors, self.grid.sheet(), &self.grid.free, &mut self.d[0]);
