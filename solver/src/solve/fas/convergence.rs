@@ -312,8 +312,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Does D⁻¹r of a sheet move no node by more than [`NEGLIGIBLE_STEP`]?
     fn is_residual_negligible(&self) -> bool {
-        let step = self.grid_spacing() * f64::from(self.levels[self.grid].greatest_step());
-        self.model.layers() == 1 && step <= NEGLIGIBLE_STEP * self.tolerance * self.reference_length
+        let step = || self.grid_spacing() * f64::from(self.levels[self.grid].greatest_step());
+        let most = NEGLIGIBLE_STEP * self.tolerance * self.reference_length;
+        self.model.layers() == 1 && step() <= most
     }
 
     /// Computes the relative residual.
