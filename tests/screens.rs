@@ -288,6 +288,37 @@ fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
     }
 }
 
+/// Visible texts of the last frame that end in "…" for want of room.
+fn shortened_texts(harness: &Harness<'static, App>) -> Vec<String> {
+    let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+        egui::Shape::Text(text) if text.galley.elided => Some(text.galley.text().to_owned()),
+        _ => None,
+    });
+    texts.collect()
+}
+
+#[test]
+fn the_texts_of_the_cards_are_whole_with_and_without_sampled_patients() {
+    for size in [DESKTOP, egui::vec2(1280.0, 800.0), egui::vec2(1024.0, 768.0), PHONE] {
+        // A pressure whose range ends above 100 mmHg has the longest words.
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        harness.state_mut().set_plan("skin", "tight").unwrap();
+        if size == PHONE {
+            press(&mut harness, "More");
+        }
+        wait_for_practice(&mut harness);
+        for _ in 0..2 {
+            let shortened = shortened_texts(&harness);
+            let is_disclaimer = |text: &&String| text.starts_with("Not a medical device");
+            assert!(shortened.iter().all(|text| is_disclaimer(&text)), "{size}: {shortened:?}");
+            assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size}");
+            wait_for_studies(&mut harness);
+        }
+        assert!(text_with(&harness, " of 10 patients").is_some(), "{size}");
+        assert!(text_with(&harness, "over the implant's highest point").is_none(), "{size}");
+    }
+}
+
 #[test]
 fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     let mut harness = researching(DESKTOP, |scene| *scene = Scene::opening());

@@ -272,8 +272,10 @@ fn nothing_is_cut_on_screens_of_a_desk() {
             }
             assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size} {chips:?}");
         }
-        // The last column of the fill steps.
-        let is_last = |text: &String| text == "Piel\nganada\n(cm²)";
+        // The last column of the fill steps, which lie below the cards.
+        harness.get_by_label("Guardar pasos de llenado (CSV)…").scroll_to_me();
+        harness.run();
+        let is_last = |text: &String| text == "Queda\n(cm²)";
         assert!(painted_texts(&harness).iter().any(is_last), "{size}");
         let picture = harness.get_by_role_and_label(Role::Canvas, "Vista 3D").rect();
         assert!(picture.width() > 0.46 * size.x, "{size}: {picture:?}");

@@ -29,10 +29,15 @@ const LEAST_DIALOG: Duration = Duration::from_millis(300);
 const MAX_NAME: usize = 40;
 
 /// The name of a file with the visit: device, the maker's name of the size, volume, date of the visit or of today, reference and an
-/// extension, as "implant-MM-240-240ml-2026-11-25-4711.html".
-pub(super) fn name_with_visit(scene: &Scene, device: Device, extension: &str) -> String {
+/// extension, as "implant-MM-240-240ml-2026-11-25-4711.html"; `what` stands before the extension.
+pub(super) fn name_with_visit(
+    scene: &Scene,
+    device: Device,
+    what: &str,
+    extension: &str,
+) -> String {
     let visit = scene.visit.clone().unwrap_or_default();
-    name(scene, device, (visit.date, &visit.reference), "", extension)
+    name(scene, device, (visit.date, &visit.reference), what, extension)
 }
 
 /// The name of a file without the visit: device, the maker's name, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv"; `what`
@@ -336,7 +341,7 @@ mod tests {
         let name = |what| name_with_size(&scene, Device::Implant, what, "glb");
         assert_eq!(name("implant"), "implant-MM-240-225ml.glb");
         assert_eq!(name("tissue"), "tissue-12cm-225ml.glb");
-        let report = name_with_visit(&scene, Device::Implant, "html");
+        let report = name_with_visit(&scene, Device::Implant, "", "html");
         assert!(report.starts_with("implant-MM-240-225ml-2"), "{report}");
     }
 

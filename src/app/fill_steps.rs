@@ -4,7 +4,6 @@ use super::texts::{mmhg, tr, word_of};
 use super::theme::{SPACE, SPACE_SMALL};
 use super::widgets::quantity::format_at_most;
 use super::widgets::{NumberField, rejection_label, remark};
-use crate::export;
 use crate::measure::bands;
 use crate::scene::FillSchedule;
 use crate::study::{Map, Quantity};
@@ -14,19 +13,20 @@ use eframe::egui::{self, RichText, Ui};
 const MAX_VISITS: usize = 30;
 
 /// What the rows are, and what they leave out.
-pub(super) const NOTE: &str = "Each row is the elastic answer right after that fill, read from the curves. Skin relaxes and grows between the \
-     visits, so pressure falls and later fills meet more skin: the model leaves both out.";
+pub(super) const NOTE: &str = "Each row is the answer as if the expander were filled to that volume at once. Skin relaxes and grows between the \
+     visits, so pressure falls and later fills meet more skin: the model leaves both out. Skin kept: about a third (35 %) of the gained skin, \
+     the part that remained with tissue expanders.";
 
 /// Where the usual numbers come from.
 const CONVENTION: &str = "Your choice: no measurement fixes these numbers. In one series of 147 breasts 246 ± 107 ml were filled at operation \
      (ePlasty 2023, 23, e12), in another 68 % of the expander (Plast Reconstr Surg 2011, 127, 1065). Afterwards \
      50–60 ml a week are a habit of practices; pain and pale skin end a visit.";
 
-/// The columns that follow from the others, which a narrow table does without: visit, added.
-const FOLLOWING: [usize; 2] = [1, 2];
+/// The columns that follow from the others, which a narrow table does without: visit, added, gained.
+const FOLLOWING: [usize; 3] = [1, 2, 8];
 
 /// Heads of the columns; a number has its word in a column of its own.
-const HEADS: [&str; 9] = [
+const HEADS: [&str; 10] = [
     "Week",
     "Visit",
     "Added (ml)",
@@ -36,6 +36,7 @@ const HEADS: [&str; 9] = [
     "Skin stretch (%)",
     "Skin stretch, in a word",
     "Skin gained (cm²)",
+    "Skin kept (cm²)",
 ];
 /// The word of the lowest bands, which the table on the screen leaves out.
 const LOWEST: &str = "usual";
@@ -87,6 +88,7 @@ impl FillSteps {
             let pressure_word = pressure
                 .map(|most| word_of(&bands::PRESSURE, bands::PRESSURE.verdict(most).1).to_owned());
             let stretch = value(Quantity::GreatestStrain);
+            let gain = value(Quantity::SkinAreaGainCm2);
             let stretch_word = stretch.map(|strain| {
                 tr(bands::stretch(strain, value(Quantity::SkinReserveUsed)).1).to_owned()
             });
@@ -99,7 +101,8 @@ impl FillSteps {
                 pressure_word.unwrap_or_else(none),
                 stretch.map_or_else(none, |strain| whole(100.0 * strain)),
                 stretch_word.unwrap_or_else(none),
-                value(Quantity::SkinAreaGainCm2).map_or_else(none, whole),
+                gain.map_or_else(none, whole),
+                gain.map_or_else(none, |gain| whole(bands::REALISED_AREA_GAIN * gain)),
             ]);
             before = fill;
         }
@@ -124,14 +127,14 @@ impl FillSteps {
         String::new()
     }
 
-    /// Shows the schedule and its table; returns the table (CSV) if it should be saved. `is_solved`: the curve has all its values.
+    /// Shows the schedule and its table; returns the rows of the file if that should be saved. `is_solved`: the curve has all its values.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         curve: &Map,
         full_ml: f64,
         is_solved: bool,
-    ) -> Option<String> {
+    ) -> Option<Vec<Vec<String>>> {
         ui.label(RichText::new(tr("Fill steps by week")).small().strong());
         self.fields(ui);
         let rows = self.rows(curve, full_ml);
@@ -175,7 +178,7 @@ impl FillSteps {
                 for week in rows.iter_mut().filter_map(|row| row.first_mut()) {
                     *week = week.replace(',', ".");
                 }
-                Some(export::csv(&rows))
+                Some(rows)
             }
         }
     }
@@ -292,7 +295,7 @@ mod tests {
         assert_eq!(shown[5][4], "over 100");
         assert_eq!(shown[2], rows[2]);
         assert_eq!(rows[0], HEADS);
-        assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–", "–", "–"]);
+        assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–", "–", "–", "–"]);
         assert_eq!(rows[2][..4], ["2", "1", "150", "200"]);
         assert_eq!(rows.last().unwrap()[..4], ["8", "4", "100", "600"]);
         assert_eq!(rows.len(), 6);
@@ -310,7 +313,8 @@ mod tests {
                 ]
             );
             assert_eq!(row[7], bands::stretch(stretch, None).1);
-            assert_eq!(row[8], number(value(Quantity::SkinAreaGainCm2)));
+            let gain = value(Quantity::SkinAreaGainCm2);
+            assert_eq!(row[8..], [number(gain), number(0.35 * gain)]);
         }
         // A column has either numbers or words; the greatest fill is above usual.
         for row in &rows[2..] {

@@ -13,6 +13,7 @@ use super::texts::{MOST_PRESSURE, fixed, mmhg, tr};
 use super::theme::{self, Palette, SPACE, SPACE_SMALL};
 use super::volumes::{COUNT, volumes};
 use super::widgets::{group, remark};
+use crate::export;
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::Scene;
 use crate::study::{Map, MapCheck, MapSettings, Parameter, Quantity};
@@ -63,6 +64,23 @@ pub(super) struct Filling {
     started: Option<Scene>,
     /// Why there is no curve.
     error: Option<String>,
+}
+
+/// A table to save: the results of all fills (CSV), or the rows of the steps.
+enum Saved {
+    Curve(String),
+    Steps(Vec<Vec<String>>),
+}
+
+/// Rows with the patient's number of a plan as their first column, if the plan states it.
+fn with_patient(mut rows: Vec<Vec<String>>, scene: &Scene) -> Vec<Vec<String>> {
+    if let Some(number) = plan::patient_number(scene) {
+        let cells = std::iter::once("Patient no.").chain(std::iter::repeat(number));
+        for (row, cell) in rows.iter_mut().zip(cells) {
+            row.insert(0, cell.to_owned());
+        }
+    }
+    rows
 }
 
 /// The table of fill steps of a plan.
@@ -152,19 +170,21 @@ impl Filling {
             plan::set_fill_steps(&mut scene, steps.0);
             actions.push(Action::Replace(scene));
         }
-        actions.extend(saved.map(|(what, content)| {
-            let name = files::name_with_size(scene, shared.choices.device, what, "csv");
-            Action::Save(name, content.into())
+        let device = shared.choices.device;
+        actions.extend(saved.map(|saved| match saved {
+            Saved::Curve(csv) => {
+                let name = files::name_with_size(scene, device, "filling", "csv");
+                Action::Save(name, csv.into())
+            }
+            Saved::Steps(rows) => {
+                let name = files::name_with_visit(scene, device, "fill-steps", "csv");
+                Action::Save(name, export::csv(&with_patient(rows, scene)).into())
+            }
         }));
     }
 
-    /// Shows the steps up to the present fill \[ml\], and the charts with that fill; returns name and content of a file to save.
-    fn show(
-        &self,
-        ui: &mut Ui,
-        fill: f64,
-        steps: &mut FillSteps,
-    ) -> Option<(&'static str, String)> {
+    /// Shows the steps up to the present fill \[ml\], and the charts with that fill; returns what should be saved.
+    fn show(&self, ui: &mut Ui, fill: f64, steps: &mut FillSteps) -> Option<Saved> {
         let palette = theme::palette(ui.visuals());
         if let Some(error) = &self.error {
             ui.add(egui::Label::new(RichText::new(error).color(palette.bad)).wrap());
@@ -189,8 +209,7 @@ impl Filling {
         }
         let save = ui.add_enabled(solved.is_some(), egui::Button::new(tr("Save table (CSV)…")));
         let is_saved = save.on_hover_text(tr("All results of all fills")).clicked();
-        let table = table.map(|table| ("fill-steps", table));
-        table.or_else(|| Some(("filling", solved.filter(|_| is_saved)?.csv())))
+        table.map(Saved::Steps).or_else(|| Some(Saved::Curve(solved.filter(|_| is_saved)?.csv())))
     }
 
     fn chart(&self, ui: &mut Ui, chart: &Chart, fill: f64, palette: &Palette) {
@@ -292,4 +311,20 @@ fn shade(plot: &mut PlotUi<'_>, corners: [[f64; 2]; 4], palette: &Palette) {
     let color = palette.caution.gamma_multiply(0.15);
     let area = Polygon::new("", corners.to_vec()).fill_color(color);
     plot.polygon(area.stroke(egui::Stroke::NONE).allow_hover(false));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Visit;
+
+    #[test]
+    fn the_patients_number_is_the_first_column_of_the_saved_steps() {
+        let rows = || vec![vec!["Week".to_owned()], vec!["0".to_owned()], vec!["1".to_owned()]];
+        let mut scene = Scene::opening();
+        assert_eq!(with_patient(rows(), &scene), rows());
+        scene.visit = Some(Visit { reference: " P-014".to_owned(), ..Visit::default() });
+        let expected = [["Patient no.", "Week"], ["P-014", "0"], ["P-014", "1"]];
+        assert_eq!(with_patient(rows(), &scene), expected);
+    }
 }

@@ -79,7 +79,7 @@ impl App {
                 let text = export::csv(&numbers::table(&self.shared.session, &sampled));
                 self.save_numbers(ctx, "csv", text);
             }
-            Task::TakeHome(Purpose::Report) if !plan::has_patient_number(session.scene()) => {
+            Task::TakeHome(Purpose::Report) if plan::patient_number(session.scene()).is_none() => {
                 self.windows.report_dialog = Some(ReportDialog::new(session.scene()));
             }
             Task::TakeHome(purpose) => self.take_home(ctx, purpose),
@@ -173,7 +173,7 @@ impl App {
 
     fn name_with_visit(&self, extension: &str) -> String {
         let (scene, device) = (self.shared.session.scene(), self.shared.choices.device);
-        files::name_with_visit(scene, device, extension)
+        files::name_with_visit(scene, device, "", extension)
     }
 
     fn save_numbers(&self, ctx: &egui::Context, extension: &str, text: String) {

@@ -61,3 +61,19 @@ fn the_tab_of_a_phone_names_the_device() {
     assert!(harness.query_by_role_and_label(Role::Button, "Implant").is_none());
     harness.get_by_role_and_label(Role::Button, "Expander");
 }
+
+#[test]
+fn the_words_of_an_expander_are_those_of_a_fill_at_once_everywhere() {
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
+    press(&mut harness, "expander");
+    harness.run();
+    harness.get_by_label("Stretch if filled at once");
+    harness.get_by_label("Pressure if filled at once");
+    harness.get_by_label("Filled by week the skin grows meanwhile: see “Filling”.");
+    harness.get_by_label_contains("300 ml, 12 cm: if filled at once, ");
+    let summary = harness.state().summary();
+    assert!(summary.contains("12 cm wide. If filled at once: Skin stretch "), "{summary}");
+    press(&mut harness, "round");
+    harness.run();
+    assert!(harness.query_by_label_contains("at once").is_none());
+}

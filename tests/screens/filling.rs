@@ -115,7 +115,7 @@ fn the_charts_have_numbers_and_the_table_is_whole_on_a_small_desktop() {
     // The table by week stands above the charts.
     let top = |label: &str| harness.query_all_by_label(label).next().unwrap().rect().top();
     assert!(top("Fill steps by week") < top("Pressure (mmHg)"));
-    let last = texts.iter().filter(|(text, _)| text == "Skin\ngained\n(cm²)");
+    let last = texts.iter().filter(|(text, _)| text == "Skin\nkept\n(cm²)");
     let last = last.map(|(_, rect)| rect.right()).fold(0.0, f32::max);
     assert!(last > 0.0 && last < 1024.0 - 8.0, "{last}");
 }

@@ -2,7 +2,7 @@
 //! patients, on the card, in the sentence and in the report alike; the band of the patients stands in brackets, and the number of patients
 //! of each word in a line ([`shares`]).
 
-use super::shares::in_words as shares;
+use super::shares;
 use crate::app::practice::{Against, Practices};
 use crate::app::texts::{self, fixed, localized, tr, word_of};
 use crate::app::uncertainty::{FEW, Findings, figure};
@@ -105,6 +105,11 @@ impl Answer {
         self.against.practice().zip(self.practice_ml)
     }
 
+    /// Is the plan one of an expander? Its figures and words are those of a fill at once.
+    pub(super) fn is_filled_at_once(&self) -> bool {
+        self.against == Against::Skin(None)
+    }
+
     /// The word of a plan without a worse one than that of its stretch: against practice, or usual.
     fn calm(&self) -> Option<&'static str> {
         match self.against {
@@ -137,7 +142,8 @@ impl Answer {
             Some(((_, word), name)) => Some(format!("{name} {word}. ")),
             None => self.calm().map(|word| format!("{word}. ")),
         };
-        let worst = worst.unwrap_or_default();
+        let at_once = if self.is_filled_at_once() { tr("if filled at once, ") } else { "" };
+        let worst = worst.map_or_else(String::new, |words| format!("{at_once}{words}"));
         let figures = [
             self.strain.map(|strain| tr!("stretch {strain:.0} %", strain = 100.0 * strain)),
             self.cover.map(|mm| tr!("cover {mm:.1} mm", mm)),
@@ -246,14 +252,15 @@ impl<'a> Sampled<'a> {
     fn shares(&self, quantity: Quantity, word: impl Fn(f64) -> Verdict) -> Option<String> {
         let findings = self.0?;
         let words = findings.values().of(quantity).map(word);
-        shares(words, findings.solved() - findings.answers())
+        shares::in_words(words, findings.solved() - findings.answers())
     }
 
-    /// The numbers of patients by the word against practice, that of practice's volumes in the tissue of each patient.
-    fn shares_of_practice(&self) -> Option<String> {
+    /// The numbers of patients by the word against practice, that of practice's volumes \[ml\] in the tissue of each patient.
+    fn shares_of_practice(&self, ml: f64) -> Option<String> {
         let practice = self.0?.practice();
         let words = practice.iter().map(|(strain, practice)| in_words(practice.verdict(*strain)));
-        shares(words, FEW.saturating_sub(practice.len())).filter(|_| !practice.is_empty())
+        let without_answer = FEW.saturating_sub(practice.len());
+        shares::against_practice(words, without_answer, ml).filter(|_| !practice.is_empty())
     }
 
     /// The 10th and the 90th percentile.
@@ -278,9 +285,17 @@ fn text_of(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.map_or_else(|| "–".to_owned(), text)
 }
 
+/// The title of a card of an implant or of an expander.
+fn title(answer: &Answer, implant: &'static str, expander: &'static str) -> &'static str {
+    tr(if answer.is_filled_at_once() { expander } else { implant })
+}
+
 fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
     let line = answer.strain.map_or_else(String::new, |_| match answer.reserve {
+        Some(_) if answer.is_filled_at_once() => {
+            tr("Filled by week the skin grows meanwhile: see “Filling”.").to_owned()
+        }
         Some(_) => String::new(),
         None => tr!(
             "{share} of the skin is above {limit:.0} %.",
@@ -313,8 +328,8 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
     let range = sampled.range(Quantity::GreatestStrain);
     let verdict = |value| in_words(limits.verdict(value));
     Card {
-        title: tr("Skin stretch"),
-        short: (tr("Stretch"), figure.clone()),
+        title: title(answer, "Skin stretch", "Stretch if filled at once"),
+        short: (title(answer, "Stretch", "Stretch, at once"), figure.clone()),
         figure,
         beside: format!("{brackets}{words}"),
         verdict: word,
@@ -322,7 +337,9 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         shares: match (answer.against, is_reserve) {
             (Against::Skin(_), true) => sampled.shares(Quantity::SkinReserveUsed, verdict),
             (Against::Skin(_), false) => sampled.shares(Quantity::GreatestStrain, verdict),
-            (Against::Practice(_), _) => sampled.shares_of_practice(),
+            (Against::Practice(_), _) => {
+                answer.practice_ml.and_then(|ml| sampled.shares_of_practice(ml))
+            }
             (Against::Waiting, _) => None,
         },
         is_of_practice: of_practice.is_some(),
@@ -337,7 +354,10 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
 fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let line = match answer.apex {
         Some(apex) => {
-            tr!("{cover} at the top", cover = sampled.in_line(Quantity::ApexCoverMm, apex))
+            tr!(
+                "{cover} over the implant's highest point",
+                cover = sampled.in_line(Quantity::ApexCoverMm, apex)
+            )
         }
         None if answer.is_layered => String::new(),
         None => tr("needs “Skin on solid layers” (Advanced)").to_owned(),
@@ -374,8 +394,8 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
     });
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
     Card {
-        title: tr("Pressure on the tissue"),
-        short: (tr("Pressure"), figure.clone()),
+        title: title(answer, "Pressure on the tissue", "Pressure if filled at once"),
+        short: (title(answer, "Pressure", "Pressure, at once"), figure.clone()),
         figure,
         beside: tr!("{brackets}at most", brackets),
         verdict: word,
@@ -406,7 +426,7 @@ mod tests {
         let answer = |strain, reserve, cover, pressure| Answer {
             strain: Some(strain),
             reserve,
-            against: Against::Skin(None),
+            against: Against::Skin(Some(NoPractice::Volume)),
             practice_ml: None,
             skin: SkinLimits::Tearing,
             share: 0.0,
@@ -453,6 +473,8 @@ mod tests {
         };
         assert_eq!(words(against(Against::Practice(practice))), "as practice. Stretch");
         assert_eq!(words(against(Against::Waiting)), "Stretch");
+        let at_once = words(against(Against::Skin(None)));
+        assert_eq!(at_once, "if filled at once, skin stretch high. Stretch");
         let above = PracticeStretch { less: 0.1, same: 0.11, more: 0.12 };
         let above = words(against(Against::Practice(above)));
         assert_eq!(above, "skin stretch above practice. Stretch");

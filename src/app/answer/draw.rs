@@ -7,6 +7,7 @@ use crate::app::device::Device;
 use crate::app::texts::tr;
 use crate::app::theme::{self, SPACE};
 use crate::app::uncertainty::{FEW, Findings, without_answer};
+use crate::app::widgets::kept_lines;
 use crate::measure::bands;
 use crate::view::color;
 use eframe::egui::{
@@ -26,18 +27,22 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
                     verdict(ui, card);
                 });
             });
+            // Two rows each with and without sampled patients: nothing below moves.
             ui.horizontal(|ui| {
+                ui.set_min_height(2.0 * ui.text_style_height(&TextStyle::Body));
                 ui.label(RichText::new(&card.figure).size(theme::FIGURE));
                 let beside = RichText::new(&card.beside).color(ui.visuals().weak_text_color());
-                ui.add(egui::Label::new(beside).truncate());
+                ui.add(egui::Label::new(beside).wrap());
             });
             draw(ui, &Bar::of(card));
-            // One row with and without sampled patients: nothing below moves.
             let line = match &card.shares {
                 Some(shares) => RichText::new(shares).small(),
-                None => RichText::new(&card.line).small().color(ui.visuals().weak_text_color()),
+                None => {
+                    let line = Device::of(ui.ctx()).words(&card.line);
+                    RichText::new(line).small().color(ui.visuals().weak_text_color())
+                }
             };
-            ui.add(egui::Label::new(line).truncate());
+            kept_lines(ui, 2, |ui| ui.add(egui::Label::new(line).wrap()));
         })
         .response;
     let mut tooltip = match &card.scale {

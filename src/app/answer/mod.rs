@@ -131,8 +131,10 @@ pub(super) fn rows(
             format!("{} {}", card.figure, card.beside),
             word.to_owned(),
             match card.shares {
-                Some(shares) => format!("{shares}. {}", card.line).trim_end().to_owned(),
-                None => card.line,
+                Some(shares) => {
+                    format!("{shares}. {}", device.words(&card.line)).trim_end().to_owned()
+                }
+                None => device.words(&card.line),
             },
         ]
     };
@@ -295,6 +297,7 @@ pub(super) fn summary(session: &Session, practices: &Practices, device: Device) 
     let strain = answer.strain.map_or_else(String::new, |strain| {
         tr!(" Skin stretch {strain:.0} percent{word}.", strain = 100.0 * strain, word)
     });
+    let at_once = if answer.is_filled_at_once() { tr(" If filled at once:") } else { "" };
     let thin = answer.cover_word().map_or_else(String::new, |(_, word)| format!(", {word}"));
     let cover = answer.cover.map_or_else(String::new, |cover| {
         tr!(" Cover {cover:.1} mm{thin}, at rest {rest:.1} mm.", cover, rest = answer.rest, thin)
@@ -320,10 +323,11 @@ pub(super) fn summary(session: &Session, practices: &Practices, device: Device) 
         tr!("{width} cm wide and high", width)
     };
     tr!(
-        "{size} {name}, {wide}.{strain}{cover}{pressure} {state}{warnings}",
+        "{size} {name}, {wide}.{at_once}{strain}{cover}{pressure} {state}{warnings}",
         size = implant_in_words(session.scene()),
         name,
         wide,
+        at_once,
         strain,
         cover,
         pressure,

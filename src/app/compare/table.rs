@@ -46,7 +46,7 @@ const ROWS: [Row; 11] = [
         word: Some(|outcome, _| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
         ..Row::new("Least cover", "mm", 1, Value::Result(Quantity::LeastCoverMm))
     },
-    Row::new("Cover at the top", "mm", 1, Value::Result(Quantity::ApexCoverMm)),
+    Row::new("Cover, highest point", "mm", 1, Value::Result(Quantity::ApexCoverMm)),
     Row::new("Mean pressure", "mmHg", 0, Value::Result(Quantity::MeanPressureMmhg)),
     Row {
         word: Some(|outcome, _| {

@@ -30,7 +30,7 @@ pub(super) use practice::practice;
 pub(super) use shape::{fullness, is_anatomical, shape_in_words};
 pub(super) use side::side;
 pub(super) use visit::{
-    entries_of_report, has_patient_number, missing_for_file, patient_in_words, set_fill_steps,
+    entries_of_report, missing_for_file, patient_in_words, patient_number, set_fill_steps,
     set_visit, visit_in_words,
 };
 

@@ -21,8 +21,8 @@ const DATE: &str = "25.11.2026 or 25/11/2026 (day first), or 2026-11-25";
 /// Greatest number of characters of a date while it is typed.
 const MAX_DATE: usize = 20;
 
-const KEPT: &str = "These entries stay in this plan's file and in the report. Patient number and side also stand on the saved picture, number and date in \
-                    the names of the files. A link or a pin has the side alone; the next start has none of them. Nothing is sent.";
+const KEPT: &str = "These entries stay in this plan's file and in the report. Patient number and side also stand on the saved picture, the number in \
+                    the saved fill steps, number and date in the names of the files. A link or a pin has the side alone; the next start has none of them. Nothing is sent.";
 
 /// Memory key of the switch.
 fn key() -> Id {
@@ -33,14 +33,15 @@ fn is_open(ui: &Ui) -> bool {
     ui.data(|data| data.get_temp(key())).unwrap_or_default()
 }
 
-/// Does the scene state the patient's number?
-pub(in crate::app) fn has_patient_number(scene: &Scene) -> bool {
-    scene.visit.as_ref().is_some_and(|visit| !visit.reference.trim().is_empty())
+/// The patient's number, if the scene states it.
+pub(in crate::app) fn patient_number(scene: &Scene) -> Option<&str> {
+    let number = scene.visit.as_ref().map(|visit| visit.reference.trim());
+    number.filter(|number| !number.is_empty())
 }
 
 /// What a report needs and the scene does not state, patient's number and side, in words.
 pub(in crate::app) fn missing_for_file(scene: &Scene) -> Option<&'static str> {
-    match (has_patient_number(scene), scene.side) {
+    match (patient_number(scene).is_some(), scene.side) {
         (false, None) => Some(tr("No patient number and no side in it")),
         (false, Some(_)) => Some(tr("No patient number in it")),
         (true, None) => Some(tr("No side in it")),
@@ -171,7 +172,7 @@ fn date_or_none(text: &str) -> Option<String> {
 
 /// Reference and side in words; empty if none is stated.
 pub(in crate::app) fn patient_in_words(scene: &Scene) -> String {
-    let reference = scene.visit.as_ref().map_or("", |visit| visit.reference.trim());
+    let reference = patient_number(scene).unwrap_or_default();
     let side = scene.side.map_or("", |side| tr(side.words()));
     joined([reference, side].map(str::to_owned))
 }
