@@ -156,7 +156,7 @@ fn any_two_dimensions_give_the_third() {
     // 12 cm and 300 ml.
     let size = Size::of_width_and_volume(120.0, 300.0).unwrap();
     assert_eq!((10.0 * size.projection_cm()).round(), 40.0);
-    assert_eq!(size.profile(), ProfileClass::High);
+    assert_eq!(size.profile(), ProfileClass::Moderate);
     // 30 ml, the step of the rule for the pull, is 4 mm of projection.
     let larger = Size::of_width_and_volume(120.0, 330.0).unwrap();
     assert_close(larger.projection_mm() - size.projection_mm(), 4.0, 0.01);
@@ -222,7 +222,10 @@ fn profile_classes_follow_projection_over_half_the_base_width() {
         (0.39, ProfileClass::Low),
         (0.499, ProfileClass::Low),
         (0.5, ProfileClass::Moderate),
-        (0.65, ProfileClass::High),
+        // What makers sell as moderate plus: 4.0 cm on 12 cm; and as high: 4.5 cm on 11.1 cm.
+        (4.0 / 6.0, ProfileClass::Moderate),
+        (0.72, ProfileClass::High),
+        (4.5 / 5.55, ProfileClass::High),
         (0.95, ProfileClass::HalfSphere),
         (1.07, ProfileClass::HalfSphere),
     ] {

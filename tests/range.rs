@@ -362,7 +362,7 @@ fn the_chart_has_the_pins_and_returns_to_the_plan() {
 /// Unfolds the shelf and gives a table to its field; the preview opens.
 fn paste_table(harness: &mut Harness<'static, App>, text: &str) {
     if harness.query_all_by_role_and_label(Role::Button, "Paste table").count() == 0 {
-        harness.get_by_label("Shelf").focus();
+        harness.get_by_label("Sizes in stock").focus();
         harness.run_steps(2);
         harness.key_press(egui::Key::Enter);
         harness.run_steps(12);
@@ -393,14 +393,14 @@ fn a_click_on_a_size_of_the_shelf_takes_exactly_that_size() {
     let mut harness = range_of(layered(), DESKTOP);
     paste_table(&mut harness, "name;width_cm;volume_ml\nFlat;12,3;\"3");
     harness.get_by_label_contains(
-        "The table was not read; the shelf is unchanged. line 2: a quotation mark is not closed",
+        "The table was not read; the sizes in stock are unchanged. line 2: a quotation mark is not closed",
     );
     paste_table(
         &mut harness,
         "name;width_cm;volume_ml;projection_mm\nRound;12,3;310;\nHigh;11;;44,7\nFar;18;600;",
     );
     take_sizes(&mut harness, 3);
-    harness.get_by_label("Shelf: 3 sizes");
+    harness.get_by_label("Sizes in stock: 3");
     let round = Size::of_width_and_volume(123.0, 310.0).unwrap();
     let rect = harness.get_by_role_and_label(Role::Canvas, CHART).rect();
     let at = egui::pos2(
@@ -416,7 +416,7 @@ fn a_click_on_a_size_of_the_shelf_takes_exactly_that_size() {
     assert!((implant.size().unwrap().volume_ml() - 310.0).abs() < 1e-9);
     harness.get_by_label("Round · 310 cc");
     // Wider sizes do not count.
-    wait_for(&mut harness, "Largest of the shelf up to 12.3 cm with practice's stretch: Round · ");
+    wait_for(&mut harness, "Largest in stock up to 12.3 cm with practice's stretch: Round · ");
     // The list takes a size too; the shelf is kept for the next start.
     harness.get_by_role_and_label(Role::Button, "Take High").click();
     harness.run_steps(2);
@@ -429,7 +429,7 @@ fn a_click_on_a_size_of_the_shelf_takes_exactly_that_size() {
     let mut next = range_of(sheet(), DESKTOP);
     next.state_mut().restore_shelf(&kept);
     next.run_steps(3);
-    next.get_by_label("Shelf: 2 sizes");
+    next.get_by_label("Sizes in stock: 2");
     assert_eq!(next.state_mut().take_shelf_to_store(true), None);
 }
 
@@ -537,10 +537,10 @@ fn a_table_is_looked_at_before_it_is_taken() {
     harness.get_by_role_and_label(Role::Button, "Cancel").click();
     harness.run_steps(4);
     assert_eq!(harness.query_all_by_label_contains("Take 2 sizes").count(), 0);
-    harness.get_by_label("Shelf");
+    harness.get_by_label("Sizes in stock");
     paste_table(&mut harness, "Ref;Width;Volume\nA-1;12,5;300\nA-3;13;350");
     take_sizes(&mut harness, 2);
-    harness.get_by_label("Shelf: 2 sizes");
+    harness.get_by_label("Sizes in stock: 2");
     harness.get_by_role_and_label(Role::Button, "Take A-3 · 350 cc");
 }
 

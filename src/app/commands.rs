@@ -73,7 +73,7 @@ const NO_RESULT: &str = "No result yet: the plan is being computed";
 /// All commands, in the order of the list.
 pub(super) const COMMANDS: [Entry; 46] = [
     keyed(Task::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
-    entry(Task::OpenTable, "Open shelf…", SHELF),
+    entry(Task::OpenTable, "Open sizes in stock…", SHELF),
     keyed(Task::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Task::SaveNumbers, "Save numbers (JSON)…", ""),
     entry(Task::SaveTable, "Save numbers (CSV)…", TABLE),
@@ -93,7 +93,7 @@ pub(super) const COMMANDS: [Entry; 46] = [
     entry(Task::StartOver, "Start over", "Open the opening plan; Undo brings this plan back"),
     entry(Task::Pin, "Pin this plan", "Keep this plan and its result for comparison"),
     entry(Task::Look(View::Front), "Front", "From the front, the head up"),
-    entry(Task::Look(View::Side), "Side", "From the patient's side"),
+    entry(Task::Look(View::Side), "Side", "From the patient's side, the head up"),
     entry(Task::Look(View::Top), "Top", "From the head"),
     keyed(
         Task::Look(View::All),

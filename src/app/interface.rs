@@ -189,7 +189,7 @@ impl App {
             }
             Err(error) => {
                 self.notice = Some(Notice::caution(tr!(
-                    "The kept shelf was not read: {error}",
+                    "The kept sizes in stock were not read: {error}",
                     error = shown(&error)
                 )));
             }

@@ -205,7 +205,9 @@ mod tests {
         assert_eq!(names("picture save")[0], "Save picture (PNG)…");
         assert_eq!(names("plan")[0], "Open plan…");
         assert!(names("undo")[0] == "Undo" && names("undo").contains(&"Start over"));
-        assert!(["shelf", "table of sizes"].iter().all(|text| names(text)[0] == "Open shelf…"));
+        assert!(
+            ["stock", "table of sizes"].iter().all(|text| names(text)[0] == "Open sizes in stock…")
+        );
         assert!(names("no such thing").is_empty());
     }
 }

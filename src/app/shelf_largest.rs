@@ -118,26 +118,21 @@ fn words(width_mm: f64, largest: Option<(&ShelfSize, &Scene)>, is_practice: bool
     let width = width_in_words(width_mm);
     let Some((size, plan)) = largest else {
         return if is_practice {
-            tr!("No size of the shelf up to {width} has practice's stretch or less.", width)
+            tr!("No size in stock up to {width} has practice's stretch or less.", width)
         } else {
-            tr!("No size of the shelf up to {width} stays usual.", width)
+            tr!("No size in stock up to {width} stays usual.", width)
         };
     };
     let (name, size) = (size.label(), texts::shown(&size_in_words(plan)));
     if is_practice {
         tr!(
-            "Largest of the shelf up to {width} with practice's stretch: {name} ({size}).",
+            "Largest in stock up to {width} with practice's stretch: {name} ({size}).",
             width,
             name,
             size
         )
     } else {
-        tr!(
-            "Largest of the shelf up to {width} that stays usual: {name} ({size}).",
-            width,
-            name,
-            size
-        )
+        tr!("Largest in stock up to {width} that stays usual: {name} ({size}).", width, name, size)
     }
 }
 
@@ -156,10 +151,10 @@ mod tests {
             [(largest, true), (largest, false), (None, true), (None, false)]
                 .map(|(largest, is_practice)| words(120.0, largest, is_practice)),
             [
-                "Largest of the shelf up to 12 cm with practice's stretch: SR-275H · 275 cc (275 ml on 11 cm).",
-                "Largest of the shelf up to 12 cm that stays usual: SR-275H · 275 cc (275 ml on 11 cm).",
-                "No size of the shelf up to 12 cm has practice's stretch or less.",
-                "No size of the shelf up to 12 cm stays usual.",
+                "Largest in stock up to 12 cm with practice's stretch: SR-275H · 275 cc (275 ml on 11 cm).",
+                "Largest in stock up to 12 cm that stays usual: SR-275H · 275 cc (275 ml on 11 cm).",
+                "No size in stock up to 12 cm has practice's stretch or less.",
+                "No size in stock up to 12 cm stays usual.",
             ]
         );
     }

@@ -9,6 +9,7 @@ use super::texts::{self, tr};
 use super::theme;
 use super::uncertainty::Findings;
 use super::viewport::{scale_bar, veil};
+use super::volumes::highest_sold_mm;
 use super::widgets::set_accessible_name;
 use crate::solve::Problem;
 use crate::study::SectionBand;
@@ -27,41 +28,13 @@ use glam::{Vec2, Vec3};
 /// Name of the strip, and of its switch.
 pub(super) const CROSS_SECTION: &str = "Cross-section";
 /// Height of the strip \[points\].
-const HEIGHT: f32 = 138.0;
+const HEIGHT: f32 = 160.0;
 /// Least height of the window with a strip \[points\].
 const LEAST_WINDOW: f32 = 760.0;
 /// Width of legend and scale bar at the left \[points\].
 const LEGEND: f32 = 96.0;
-/// Least height that the strip shows, that of most implants under their cover, and the step in which the height grows \[mm\].
-const LEAST_MM: f32 = 80.0;
-const STEP_MM: f32 = 20.0;
-
 /// Least distance of two points of an outline, whose direction is then more than rounding \[points\].
 const LEAST_STEP: f32 = 0.1;
-
-/// The scale of the strip: one for all plans of a session, so that two plans are seen in their sizes. A plan that does not fit
-/// makes it smaller for good.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Scale {
-    /// The height shown \[mm\].
-    height_mm: f32,
-    /// Half of the width shown \[mm\].
-    reach_mm: f32,
-}
-
-impl Default for Scale {
-    fn default() -> Self {
-        Self { height_mm: LEAST_MM, reach_mm: 0.0 }
-    }
-}
-
-impl Scale {
-    /// Makes room for a plan of a height and half a width \[mm\].
-    fn fit(&mut self, height_mm: f32, reach_mm: f32) {
-        self.height_mm = self.height_mm.max(STEP_MM * (height_mm / STEP_MM).ceil());
-        self.reach_mm = self.reach_mm.max(reach_mm);
-    }
-}
 
 /// Is there room for the strip? `is_wide`: not on a phone.
 pub(super) fn has_room(ctx: &egui::Context, is_wide: bool) -> bool {
@@ -83,14 +56,8 @@ pub(super) struct Done {
 }
 
 /// Shows the strip with the switch of its plane, after its picture.
-pub(super) fn show(
-    ui: &mut Ui,
-    area: Rect,
-    shared: &Shared,
-    between: Option<Between<'_>>,
-    scale: &mut Scale,
-) -> Done {
-    let kept = content(ui, area, shared, between, scale);
+pub(super) fn show(ui: &mut Ui, area: Rect, shared: &Shared, between: Option<Between<'_>>) -> Done {
+    let kept = content(ui, area, shared, between);
     let room = area.shrink2(vec2(theme::SPACE, 3.0));
     let layout = egui::Layout::right_to_left(egui::Align::Min);
     let builder = egui::UiBuilder::new().id_salt("plane").max_rect(room).layout(layout);
@@ -103,15 +70,14 @@ fn content(
     area: Rect,
     shared: &Shared,
     between: Option<Between<'_>>,
-    scale: &mut Scale,
 ) -> Option<tissue::Place> {
     if let Some(between) = between {
-        return strip_of(ui, area, shared, &between, scale);
+        return strip_of(ui, area, shared, &between);
     }
     let last = LastAnswer::of(&shared.session);
     let kept = match &last {
-        Some(answer) => strip_of(ui, area, shared, answer, scale),
-        None => strip_of(ui, area, shared, &shared.session, scale),
+        Some(answer) => strip_of(ui, area, shared, answer),
+        None => strip_of(ui, area, shared, &shared.session),
     };
     if last.is_some() || shared.is_provisional() {
         veil(ui, area);
@@ -120,13 +86,7 @@ fn content(
 }
 
 /// Draws the strip; returns a clicked point of the tissue.
-fn strip_of(
-    ui: &Ui,
-    area: Rect,
-    shared: &Shared,
-    subject: &impl Subject,
-    scale: &mut Scale,
-) -> Option<tissue::Place> {
+fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Option<tissue::Place> {
     // Without focus: the keys act on the picture.
     let response = ui.interact(area, ui.scope_id().with("strip"), Sense::CLICK);
     set_accessible_name(&response, egui::Role::Canvas, tr(CROSS_SECTION));
@@ -135,7 +95,7 @@ fn strip_of(
     let palette = theme::palette(ui.visuals());
     let pins = plots::drawn_silhouettes(&shared.session, &shared.compare, palette, plane);
     let pins = first_and_last(pins);
-    let place = Place::new(area, (subject, plane), &section, &pins, scale);
+    let place = Place::new(area, (subject, plane), &pins);
     let painter = ui.painter_at(area);
     paint_ground(ui, &painter, area);
     paint_wall(ui, &painter, &place, problem);
@@ -190,25 +150,26 @@ struct Place {
 }
 
 impl Place {
+    /// The scale follows from width, tissue and chest, with room for the highest profile sold: another volume or insertion leaves it as it
+    /// is, so that two volumes are seen in their sizes.
     fn new(
         area: Rect,
         (subject, plane): (&impl Subject, SectionPlane),
-        section: &CrossSection,
         pins: &[Silhouette],
-        scale: &mut Scale,
     ) -> Self {
-        let problem = subject.problem();
+        let (problem, scene) = (subject.problem(), subject.scene());
         let radius = problem.sheet().radius_mm() as f32;
-        let highest = pins.iter().flat_map(|pin| &pin.points).map(|p| p[1] as f32);
-        let highest = highest.fold(section.height(), f32::max);
+        let cover: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+        let highest = cover + scene.implant.projection_mm.max(highest_sold_mm(&scene.implant));
+        let pins = pins.iter().flat_map(|pin| &pin.points).map(|point| point[1]);
+        let highest = pins.fold(highest, f64::max) as f32;
         let wall = plots::wall_line(problem, plane).into_iter().map(|[_, z]| z as f32);
-        let lowest = wall.fold(section.depth(), f32::min);
-        scale.fit(highest - lowest, radius);
+        let lowest = wall.fold(0.0, f32::min);
         let room = area.shrink2(vec2(2.0 * theme::SPACE, theme::SPACE));
         let room = room.with_min_x(room.left() + LEGEND);
         let below = 14.0;
         let points_per_mm =
-            ((room.height() - below) / scale.height_mm).min(0.5 * room.width() / scale.reach_mm);
+            ((room.height() - below) / (highest - lowest)).min(0.5 * room.width() / radius);
         Self {
             origin: pos2(room.center().x, room.bottom() - below + lowest * points_per_mm),
             points_per_mm,

@@ -37,13 +37,12 @@ pub(super) struct Screen {
     panel_widths: PanelWidths,
     /// Height of the controls on the picture in the previous frame \[points\].
     view_bar_height: f32,
-    strip: strip::Scale,
 }
 
 impl Default for Screen {
     fn default() -> Self {
-        let (narrow_tab, panel_widths, strip) = Default::default();
-        Self { narrow_tab, panel_widths, view_bar_height: 40.0, strip }
+        let (narrow_tab, panel_widths) = Default::default();
+        Self { narrow_tab, panel_widths, view_bar_height: 40.0 }
     }
 }
 
@@ -430,13 +429,7 @@ impl App {
             }
         }
         if let Some(strip) = strip {
-            let done = strip::show(
-                ui,
-                strip,
-                &self.shared,
-                self.insertion.shown(),
-                &mut self.screen.strip,
-            );
+            let done = strip::show(ui, strip, &self.shared, self.insertion.shown());
             self.actions.extend(done.kept.map(Action::KeepValues));
             self.actions.extend(done.plane.map(Action::ShowSection));
         }

@@ -9,10 +9,15 @@ pub(super) const COUNT: usize = 21;
 /// Projection / half base width of the least volume \[-\].
 const LEAST_RATIO: f64 = 0.15;
 
-/// The volume of the highest profile sold on an implant's base \[ml\], of the greatest projection / half width of typical sizes.
-pub(super) fn highest_sold_ml(implant: &Implant) -> f64 {
+/// The projection of the highest profile sold on an implant's base \[mm\], of the greatest projection / half width of typical sizes.
+pub(super) fn highest_sold_mm(implant: &Implant) -> f64 {
     let (_, ratio) = limits::TYPICAL_RATIO;
-    let projection_mm = ratio * implant.base_radius_mm;
+    ratio * implant.base_radius_mm
+}
+
+/// The volume of that profile \[ml\].
+pub(super) fn highest_sold_ml(implant: &Implant) -> f64 {
+    let projection_mm = highest_sold_mm(implant);
     Implant { projection_mm, ..*implant }.size().map_or(f64::INFINITY, Size::volume_ml)
 }
 

@@ -23,10 +23,10 @@ fn a_chest_is_chosen_from_a_list_or_by_its_radii() {
     let mut harness = app(DESKTOP, flat);
     let chest = |harness: &Harness<'static, App>| harness.state().session().scene().chest;
     for (name, shape) in [
-        ("barrel chest", Some(ChestShape::ROUND)),
+        ("round chest", Some(ChestShape::ROUND)),
         ("usual chest", Some(ChestShape::USUAL)),
         ("flat chest", None),
-        ("chest of its own…", Some(ChestShape::USUAL)),
+        ("chest by its radii…", Some(ChestShape::USUAL)),
     ] {
         choose(&mut harness, name);
         assert_eq!(chest(&harness), shape, "{name}");

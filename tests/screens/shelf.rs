@@ -10,19 +10,19 @@ fn the_menu_file_opens_the_shelf_and_a_taken_table_is_in_sight() {
     for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| *scene = flat_plan());
         press(&mut harness, "File");
-        harness.get_by_role_and_label(Role::Button, "Open shelf…");
+        harness.get_by_role_and_label(Role::Button, "Open sizes in stock…");
         harness.key_press(egui::Key::Escape);
         harness.run();
         let file = Dropped { path: "sizes.csv".into(), text: SIZES.to_owned() };
         harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
         wait_until(&mut harness, "the preview", |harness| text_with(harness, "Take 2 sizes"));
-        assert_eq!(text_with(&harness, "Shelf: 2 sizes"), None);
+        assert_eq!(text_with(&harness, "Sizes in stock: 2"), None);
         harness.get_by_role_and_label(Role::Button, "Take 2 sizes").click();
         wait_until(&mut harness, "the list", |harness| text_with(harness, "Take Low"));
-        harness.get_by_label("Shelf: 2 sizes");
+        harness.get_by_label("Sizes in stock: 2");
         // The user may fold it.
         harness.run_steps(20);
-        unfold(&mut harness, "Shelf: 2 sizes");
+        unfold(&mut harness, "Sizes in stock: 2");
         harness.run_steps(20);
         assert_eq!(text_with(&harness, "Take Low"), None);
     }
@@ -32,7 +32,8 @@ fn the_menu_file_opens_the_shelf_and_a_taken_table_is_in_sight() {
 fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     harness.state_mut().restore_shelf(SIZES);
-    let words = "Largest of the shelf up to 12 cm with practice's stretch: Low · 200 cc (200 ml on 11.5 cm).";
+    let words =
+        "Largest in stock up to 12 cm with practice's stretch: Low · 200 cc (200 ml on 11.5 cm).";
     wait_until(&mut harness, "the size", |harness| text_with(harness, words));
     let before = harness.state().session().scene().clone();
     let link = harness.get_by_role_and_label(Role::Link, words);
@@ -57,6 +58,6 @@ fn the_largest_size_of_the_shelf_is_as_wide_as_the_measured_breast_at_most() {
         scene.apply_patient(Measurements { base_width_mm: Some(130.0), ..measured }).unwrap();
     });
     harness.state_mut().restore_shelf(SIZES);
-    let words = "Largest of the shelf up to 13 cm with practice's stretch: Wide · 300 cc";
+    let words = "Largest in stock up to 13 cm with practice's stretch: Wide · 300 cc";
     wait_until(&mut harness, "the size", |harness| text_with(harness, words));
 }

@@ -9,6 +9,9 @@ const FIELD_OF_VIEW: f32 = 0.48;
 const ORBIT_RATE: f32 = 0.008;
 /// Range of the elevation \[radians\]: the eye stays above the wall.
 const ELEVATION: (f32, f32) = (0.0, 1.55);
+/// Ranges of azimuth and elevation before a standing patient \[radians\]: the eye stays in front of the wall.
+const STANDING_AZIMUTH: (f32, f32) = (-std::f32::consts::PI, 0.0);
+const STANDING_ELEVATION: (f32, f32) = (-1.2, 1.2);
 /// Range of the distance \[mm\].
 const DISTANCE_MM: (f32, f32) = (40.0, 3000.0);
 /// Greatest coordinates of the target \[mm\].
@@ -44,7 +47,7 @@ pub struct Pose {
 pub enum View {
     /// From the front, the head up.
     Front,
-    /// From the patient's side, the chest wall down.
+    /// From the patient's side, the head up.
     Side,
     /// From the head, the chest wall down.
     Top,
@@ -171,9 +174,15 @@ impl Camera {
         }
         let before = *self;
         self.ease = None;
-        self.pose.azimuth -= self.hand() * delta.x * ORBIT_RATE;
-        self.pose.elevation =
-            (self.pose.elevation + delta.y * ORBIT_RATE).clamp(ELEVATION.0, ELEVATION.1);
+        let azimuth = self.pose.azimuth - self.hand() * delta.x * ORBIT_RATE;
+        let elevation = self.pose.elevation + delta.y * ORBIT_RATE;
+        (self.pose.azimuth, self.pose.elevation) = if self.is_standing {
+            let (least, most) = STANDING_ELEVATION;
+            let azimuth = azimuth.clamp(STANDING_AZIMUTH.0, STANDING_AZIMUTH.1);
+            (azimuth, elevation.clamp(least, most))
+        } else {
+            (azimuth, elevation.clamp(ELEVATION.0, ELEVATION.1))
+        };
         *self != before
     }
 
@@ -265,7 +274,7 @@ impl Camera {
         }
     }
 
-    /// Starts the animation to a view of a ball.
+    /// Starts the animation to a view of a ball. Between a lying and a standing patient there is none.
     pub fn fit(&mut self, ball: impl Into<Ball>, aspect: f32, view: View) -> bool {
         let ball = ball.into();
         let quarter = std::f32::consts::FRAC_PI_2;
@@ -277,10 +286,15 @@ impl Camera {
                 let distance = fitted.distance * front_room(aspect);
                 Pose { azimuth: -quarter, elevation: ELEVATION.1, distance, ..fitted }
             }
-            View::Side => Pose { azimuth: 0.0, ..level },
+            View::Side => Self::standing(ball, aspect, Standing::Side).pose,
             View::Top => Pose { azimuth: quarter, ..level },
             View::All => fitted,
         };
+        let is_standing = view == View::Side;
+        if is_standing != self.is_standing {
+            (self.pose, self.is_standing, self.ease) = (to, is_standing, None);
+            return true;
+        }
         if self.pose == to {
             return false;
         }
@@ -564,6 +578,23 @@ mod tests {
         assert!(front.x < -0.5 && front.y.abs() < 1e-5, "{front}");
         let turned = |point| seen(Standing::ThreeQuarter, point);
         assert!(turned(Vec3::X * radius).x > 0.2 && turned(Vec3::Z * radius).x < 0.0);
+    }
+
+    #[test]
+    fn the_side_view_is_that_of_a_standing_patient_and_turns_in_front_of_the_wall() {
+        let (radius, aspect) = (110.0, 1.4);
+        let mut camera = Camera::new(radius, aspect);
+        assert!(camera.fit(radius, aspect, View::Side) && !camera.is_easing());
+        assert_eq!(camera.pose(), Camera::standing(radius, aspect, Standing::Side).pose());
+        assert!((camera.right_and_up().1 - Vec3::Y).length() < 1e-6, "the head up");
+        assert!(!camera.fit(radius, aspect, View::Side));
+        for delta in [Vec2::new(900.0, 900.0), Vec2::new(-900.0, -900.0)] {
+            camera.drag(delta);
+            assert!(camera.eye().z > -0.1 && camera.right_and_up().1.y > 0.3, "{:?}", camera.eye());
+        }
+        // Another view is that of a new camera again.
+        assert!(camera.fit(radius, aspect, View::All));
+        assert_eq!(camera, Camera::new(radius, aspect));
     }
 
     #[test]

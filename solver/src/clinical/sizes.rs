@@ -296,16 +296,16 @@ fn derived(
 
 /// Profile class of a round implant by projection / half base width.
 ///
-/// The limits 0.50, 0.65 and 0.95 are a convention of this program: the class names of manufacturers have no common
-/// limits. Typical round implants have ratios of 0.39–1.07.
+/// The limits 0.50, 0.72 and 0.95 lie between what makers call low, moderate or moderate plus, high and extra high; their
+/// names have no common limits (docs/theory.md, Sizes). Typical round implants have ratios of 0.39–1.07.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ProfileClass {
     /// Ratio below 0.50.
     Low,
-    /// Ratio of 0.50 to below 0.65.
+    /// Ratio of 0.50 to below 0.72.
     Moderate,
-    /// Ratio of 0.65 to below 0.95.
+    /// Ratio of 0.72 to below 0.95.
     High,
     /// Ratio of 0.95 or more.
     HalfSphere,
@@ -320,7 +320,7 @@ impl ProfileClass {
     pub fn of_ratio(ratio: f64) -> Self {
         match ratio {
             ratio if ratio < 0.50 => Self::Low,
-            ratio if ratio < 0.65 => Self::Moderate,
+            ratio if ratio < 0.72 => Self::Moderate,
             ratio if ratio < 0.95 => Self::High,
             _ => Self::HalfSphere,
         }

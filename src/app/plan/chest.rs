@@ -74,8 +74,8 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
     let name = |word: Option<&str>| match word {
         Some("flat") => tr("flat chest"),
         Some("usual") => tr("usual chest"),
-        Some(_) => tr("barrel chest"),
-        None => tr("chest of its own…"),
+        Some(_) => tr("round chest"),
+        None => tr("chest by its radii…"),
     };
     let list = egui::ComboBox::from_id_salt("chest").width(150.0).selected_text(name(present));
     let response = list

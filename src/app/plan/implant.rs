@@ -63,7 +63,7 @@ fn about_sizes(ui: &mut Ui, scene: &Scene, size: Size, choices: &Choices) {
     } else {
         let name = RichText::new(reference).strong();
         ui.add(egui::Label::new(name).truncate()).on_hover_text(tr!(
-                "{reference}: a size of the shelf. Another width, volume or projection is no longer this implant.{unusual}",
+                "{reference}: a size in stock. Another width, volume or projection is no longer this implant.{unusual}",
                 reference,
                 unusual
             ));

@@ -36,7 +36,7 @@ impl Range {
             }
             self.quantity_box(ui, scene, layout);
             if layout == Layout::Narrow {
-                let name = if has_axes { tr("Axes") } else { tr("Shelf and files") };
+                let name = if has_axes { tr("Axes") } else { tr("Stock and files") };
                 let more = Button::selectable(self.shows_more, name).frame_when_inactive(true);
                 if ui.add(more).clicked() {
                     self.shows_more = !self.shows_more;

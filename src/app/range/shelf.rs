@@ -81,7 +81,7 @@ impl Sizes {
 
     /// What the dots are, in a sentence; empty without dots.
     pub(super) fn legend(&self) -> &'static str {
-        if self.dots.is_empty() { "" } else { tr("White dots: the sizes of the shelf.") }
+        if self.dots.is_empty() { "" } else { tr("White dots: the sizes in stock.") }
     }
 
     /// Draws the dots of a map of two axes.
@@ -175,8 +175,11 @@ impl Range {
     /// The folded list of the shelf; returns the index of a size to take.
     pub(super) fn shelf_list(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<usize> {
         let count = self.sizes.shelf.sizes().len();
-        let title =
-            if count == 0 { tr("Shelf").to_owned() } else { tr!("Shelf: {count} sizes", count) };
+        let title = if count == 0 {
+            tr("Sizes in stock").to_owned()
+        } else {
+            tr!("Sizes in stock: {count}", count)
+        };
         let mut event = None;
         let unfolds = std::mem::take(&mut self.sizes.unfolds).then_some(true);
         egui::CollapsingHeader::new(title).id_salt("shelf").open(unfolds).show(ui, |ui| {
@@ -275,7 +278,7 @@ impl Range {
                 None
             }
             Err(error) => Some(Notice::error(tr!(
-                "{name} was not read; the shelf is unchanged. {error}.",
+                "{name} was not read; the sizes in stock are unchanged. {error}.",
                 name,
                 error = shown(&error)
             ))),
@@ -298,7 +301,7 @@ impl Range {
         self.sizes.pasted = None;
         (self.is_open, self.shows_more, self.sizes.unfolds) = (true, true, true);
         Some(Notice::info(tr!(
-            "{count} sizes of {name} are on the shelf, on the page Range of implants.",
+            "{count} sizes of {name} are in stock, on the page Range of implants.",
             count,
             name
         )))
