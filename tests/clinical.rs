@@ -5,10 +5,10 @@
 
 use implant_preview::clinical::spread::{self, Distribution};
 use implant_preview::clinical::{
-    ClinicalError, Dimension, Expander, Measurements, PatientValue, PracticeTable, ProfileClass,
-    Size, SkinClass, cover, limits, pull_strain_scale, strain_scale_of_class, strain_scale_of_pull,
-    typical_sizes,
+    ClinicalError, Dimension, Expander, Measurements, PracticeTable, ProfileClass, Size, SkinClass,
+    cover, limits, pull_strain_scale, strain_scale_of_class, strain_scale_of_pull, typical_sizes,
 };
+use implant_preview::measure::PatientValue;
 use implant_preview::scene::{self, ChestShape, Scene};
 use implant_preview::simulate::simulate;
 use serde_json::{Value, json};

@@ -3,7 +3,8 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::clinical::{Dimension, HALF_ELLIPSOID, Size};
+use implant_preview::clinical::{Dimension, Size};
+use implant_preview::contact::HALF_ELLIPSOID;
 use implant_preview::measure::{ProfilePoint, SolverMethod, Status};
 use implant_preview::scene::{Field, Scene};
 use implant_preview::session::{Command, Session};

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 /// The modules from left to right, as in ARCHITECTURE.md; of charts, lab and view the crate.
 const ORDER: [&str; 21] = [
-    "number", "table", "curve", "tensile", "clinical", "springs", "mesh", "contact", "model",
-    "solve", "measure", "export", "scene", "simulate", "study", "session", "charts", "lab", "view",
-    "app", "platform",
+    "number", "curve", "springs", "mesh", "contact", "model", "solve", "measure", "export",
+    "table", "tensile", "clinical", "scene", "simulate", "study", "session", "charts", "lab",
+    "view", "app", "platform",
 ];
 
 /// The sources of the crates, from left to right.

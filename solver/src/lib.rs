@@ -3,11 +3,10 @@
 //!
 //! Module order; imports point left only (`tests/modules.rs`):
 //!
-//! `number` → `table` → `curve` → `tensile` → `clinical` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `export`
+//! `number` → `curve` → `springs` → `mesh` → `contact` → `model` → `solve` → `measure` → `export`
 //!
 //! Units: mm, kPa, N (1 kPa·mm² = 1 mN); angles in radians inside, degrees in results.
 
-pub mod clinical;
 pub mod contact;
 pub mod curve;
 pub mod export;
@@ -19,5 +18,3 @@ pub mod model;
 pub mod number;
 pub mod solve;
 pub mod springs;
-pub mod table;
-pub mod tensile;

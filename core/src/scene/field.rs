@@ -5,10 +5,10 @@
 
 use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
 use super::{ASPECTS, Body, MAX_APEX_SHIFT, Scene, SceneError, error::out_of_range};
-use crate::clinical::HALF_ELLIPSOID;
 use crate::clinical::limits::{
     BASE_WIDTH_MM, FULLNESS, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM,
 };
+use crate::contact::HALF_ELLIPSOID;
 use crate::curve::{SCALES, number};
 use std::ops::Deref;
 

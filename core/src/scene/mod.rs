@@ -30,7 +30,8 @@ pub mod values;
 pub mod visit;
 mod written;
 
-use crate::clinical::{ClinicalError, HALF_ELLIPSOID, Size};
+use crate::clinical::{ClinicalError, Size};
+use crate::contact::HALF_ELLIPSOID;
 use crate::curve::{given, number, present, present_whole};
 use crate::solve::Problem;
 pub use crate::springs::Springs;

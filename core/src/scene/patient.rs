@@ -10,9 +10,10 @@ use super::field::Field;
 use super::layer::{ADIPOSE, LayerFile};
 use super::{Scene, SceneError, limits, one_line, out_of_range};
 use crate::clinical::{
-    ClinicalError, Derived, EnvelopeFill, Measurements, PatientValue, SkinClass,
+    ClinicalError, Derived, EnvelopeFill, Measurements, SkinClass, inconsistency,
 };
 use crate::curve::{CurveSpec, List, given, number};
+use crate::measure::PatientValue;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -219,7 +220,7 @@ impl Scene {
             let derived = derivation(&patient.measured, (field, layer)).ok()??;
             let (path, value) = (field.path(layer), field.value(self, layer)?);
             let is_derived = patient.derived.contains(&path) && is_equal(value, derived.value);
-            Some(PatientValue::new(path, value, !is_derived, &derived))
+            Some(derived.beside(path, value, !is_derived))
         };
         self.patient_fields().into_iter().filter_map(value).collect()
     }
@@ -230,7 +231,7 @@ impl Scene {
     pub fn patient_warnings(&self) -> Vec<String> {
         let Some(Patient { measured, .. }) = &self.patient else { return Vec::new() };
         let values = self.patient_values();
-        let mut warnings: Vec<String> = values.iter().filter_map(PatientValue::warning).collect();
+        let mut warnings: Vec<String> = values.iter().filter_map(inconsistency).collect();
         let fields = self.patient_fields();
         let errors = fields.iter().filter_map(|field| derivation(measured, *field).err());
         warnings.extend(errors.map(|error| format!("{error}.")));

@@ -6,7 +6,7 @@ use super::check::{Bound, Check};
 use crate::accuracy;
 use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution, Wall};
 use crate::work_precision::Case;
-use implant_preview_core::clinical::HALF_ELLIPSOID;
+use implant_preview_core::contact::HALF_ELLIPSOID;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::measure::{Selection, Status};
 use implant_preview_core::scene::{

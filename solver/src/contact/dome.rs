@@ -9,8 +9,8 @@
 //! [`Fullness`]: super::fullness::Fullness
 
 use super::fullness::LEAST_OF_CONTACT;
+use super::fullness::{HALF_ELLIPSOID, dome_volume};
 use super::half_ball::{HalfBall, Near};
-use crate::clinical::{HALF_ELLIPSOID, dome_volume};
 use crate::mesh::Chest;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};

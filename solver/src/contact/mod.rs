@@ -18,6 +18,7 @@ mod obstacle;
 mod wall;
 
 pub use dome::Dome;
+pub use fullness::{HALF_ELLIPSOID, dome_volume};
 pub use obstacle::Obstacle;
 pub use wall::Wall;
 

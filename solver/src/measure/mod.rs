@@ -26,7 +26,8 @@ pub use column::{Column, ColumnError, Kind};
 pub use fields::{Field, Fields};
 pub use layered::{Cover, SkinArea, Thickness, Traction};
 pub use outcome::{
-    LayerOutcome, Outcome, Pressure, ProfilePoint, SolverMethod, SolverOutcome, Status, Strains,
+    LayerOutcome, Outcome, PatientValue, Pressure, ProfilePoint, SolverMethod, SolverOutcome,
+    Status, Strains,
 };
 pub use profile::{Direction, Meridian, meridians, skin_surface};
 pub use selection::{Selected, Selection, UnknownField, Written};

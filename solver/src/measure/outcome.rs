@@ -1,7 +1,6 @@
 //! The result of a scene: its fields, as in files.
 
 use super::layered::{Cover, SkinArea, Thickness, Traction};
-use crate::clinical::PatientValue;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -196,4 +195,21 @@ pub struct SolverOutcome {
     /// Cells through the thickness of all solids together; of skin that wrinkles only, otherwise `None` and absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cells_through: Option<usize>,
+}
+
+/// A value of a scene that a measurement determines.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PatientValue {
+    /// The field's path in the scene.
+    pub field: String,
+    /// The value in the scene \[the field's unit\].
+    pub value: f64,
+    /// Was the value set by hand? Otherwise it was derived from the measurement.
+    pub set_by_hand: bool,
+    /// The measurement in words, as "pinch 20 mm".
+    pub measured: String,
+    /// The value that the measurement gives \[the field's unit\].
+    pub derived: f64,
+    /// Range of the derived value within one standard deviation \[the field's unit\].
+    pub range: [f64; 2],
 }

@@ -5,7 +5,8 @@ use crate::app::practice::Practices;
 use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
-use crate::clinical::{Measurements, PatientValue, SkinClass, cover, limits};
+use crate::clinical::{Measurements, SkinClass, cover, limits};
+use crate::measure::PatientValue;
 use crate::scene::{Field, Scene};
 use eframe::egui::{Id, Ui};
 

@@ -4,7 +4,8 @@ use super::{Choices, Device, Hand, cm, mm, row};
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::app::widgets::quantity::{format_at_most, significant};
-use crate::clinical::{Dimension, HALF_ELLIPSOID, Size, limits};
+use crate::clinical::{Dimension, Size, limits};
+use crate::contact::HALF_ELLIPSOID;
 use crate::scene::{self, Field, Implant, Scene};
 use eframe::egui::Ui;
 

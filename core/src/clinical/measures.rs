@@ -2,6 +2,7 @@
 
 use super::{ClinicalError, EnvelopeFill, checked, limits, pull_strain_scale, rounded};
 use crate::curve::{SCALES, number};
+use crate::measure::PatientValue;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -295,46 +296,36 @@ impl Measurements {
     }
 }
 
-/// A value of a scene that a measurement determines.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct PatientValue {
-    /// The field's path in the scene.
-    pub field: String,
-    /// The value in the scene \[the field's unit\].
-    pub value: f64,
-    /// Was the value set by hand? Otherwise it was derived from the measurement.
-    pub set_by_hand: bool,
-    /// The measurement in words, as "pinch 20 mm".
-    pub measured: String,
-    /// The value that the measurement gives \[the field's unit\].
-    pub derived: f64,
-    /// Range of the derived value within one standard deviation \[the field's unit\].
-    pub range: [f64; 2],
+impl Derived {
+    /// The value of a field beside this one, which its measurement gives.
+    #[must_use]
+    pub fn beside(&self, field: String, value: f64, set_by_hand: bool) -> PatientValue {
+        let (least, most) = self.range(1.0);
+        let measured = self.measured.clone();
+        PatientValue {
+            field,
+            value,
+            set_by_hand,
+            measured,
+            derived: self.value,
+            range: [least, most],
+        }
+    }
 }
 
-impl PatientValue {
-    /// The value of a field beside the value that its measurement gives.
-    #[must_use]
-    pub fn new(field: String, value: f64, set_by_hand: bool, derived: &Derived) -> Self {
-        let (least, most) = derived.range(1.0);
-        let measured = derived.measured.clone();
-        Self { field, value, set_by_hand, measured, derived: derived.value, range: [least, most] }
-    }
-
-    /// A sentence if a value set by hand lies outside of the range of its measurement.
-    #[must_use]
-    pub fn warning(&self) -> Option<String> {
-        let Self { field, value, measured, derived, range: [least, most], .. } = self;
-        let is_inconsistent = self.set_by_hand && !(*least..=*most).contains(value);
-        is_inconsistent.then(|| {
-            format!(
-                "{field} is {}, set by hand; the measurement ({measured}) gives {}, {} to {} within one standard \
-                 deviation.",
-                rounded(*value),
-                rounded(*derived),
-                rounded(*least),
-                rounded(*most)
-            )
-        })
-    }
+/// A sentence if a value set by hand lies outside of the range of its measurement.
+#[must_use]
+pub fn inconsistency(of: &PatientValue) -> Option<String> {
+    let PatientValue { field, value, measured, derived, range: [least, most], .. } = of;
+    let is_inconsistent = of.set_by_hand && !(*least..=*most).contains(value);
+    is_inconsistent.then(|| {
+        format!(
+            "{field} is {}, set by hand; the measurement ({measured}) gives {}, {} to {} within one standard \
+             deviation.",
+            rounded(*value),
+            rounded(*derived),
+            rounded(*least),
+            rounded(*most)
+        )
+    })
 }

@@ -4,8 +4,8 @@
 //! aspect, height by width of the base; f = ⅔ is the half-ellipsoid.
 
 use super::{ClinicalError, checked, limits, rounded};
+use crate::contact::{HALF_ELLIPSOID, dome_volume};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// mm³ per ml (= cm³).
 const MM3_PER_ML: f64 = 1000.0;
@@ -16,15 +16,6 @@ const VOLUME_ML: (f64, f64) = (0.3, 4350.0);
 /// Ratio projection / half base width above which a dome is no half sphere any more: as far from 1 as the lower limit of
 /// the class.
 const BEYOND_HALF_SPHERE: f64 = 1.05;
-
-/// Fullness of half of an ellipsoid \[-\].
-pub const HALF_ELLIPSOID: f64 = 2.0 / 3.0;
-
-/// Volume of a dome of half-axes of its base and projection \[mm\] and its fullness \[-\], in mm³. Linear in each of the four.
-#[must_use]
-pub fn dome_volume([a, b, p]: [f64; 3], fullness: f64) -> f64 {
-    fullness * PI * (a * b) * p
-}
 
 /// Base width, projection and volume of a dome; with the aspect of the base and the fullness any two give the third.
 #[derive(Clone, Copy, Debug, PartialEq)]

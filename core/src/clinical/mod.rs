@@ -18,8 +18,8 @@ mod sizes;
 pub mod spread;
 
 pub use measures::{
-    Cover, Derived, Measurements, PatientValue, REPRODUCIBILITY, SKIN_THICKNESS_MM, SkinClass,
-    Uncertainty, cover, strain_scale_of_class, strain_scale_of_pull,
+    Cover, Derived, Measurements, REPRODUCIBILITY, SKIN_THICKNESS_MM, SkinClass, Uncertainty,
+    cover, inconsistency, strain_scale_of_class, strain_scale_of_pull,
 };
 pub use practice::{
     BUILT_IN_SOURCE, Bound, Corrected, Correction, EnvelopeFill, PracticeTable, PracticeVolume,
@@ -31,9 +31,7 @@ pub use shelf::{
     Column, Draft, DraftColumn, LengthUnit, MAX_SIZES, Reading, Shelf, ShelfSize, Skipped,
     UnitOrigin,
 };
-pub use sizes::{
-    Dimension, Expander, HALF_ELLIPSOID, ProfileClass, Size, dome_volume, typical_sizes,
-};
+pub use sizes::{Dimension, Expander, ProfileClass, Size, typical_sizes};
 
 use crate::curve::number;
 
