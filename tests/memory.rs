@@ -168,7 +168,7 @@ fn memory_and_work_are_linear_a_cycle_allocates_nothing_and_pictures_reuse_memor
         nodes: &[65, 129, 257, 513],
         from: 129,
         most_bytes: 220.0,
-        most: [4.4; 2],
+        most: [4.4, 4.5],
     };
     println!("sheet: {:#?}", check_growth(&sheet));
     let layered = Growth {
