@@ -148,6 +148,38 @@ fn the_range_fills_and_is_compared_with_the_fine_grid() {
 }
 
 #[test]
+fn until_practice_is_known_the_chart_is_without_words_and_numbers_and_says_so() {
+    let mut harness = range_of(layered(), DESKTOP);
+    let numbers_and_words = |harness: &Harness<'static, App>| {
+        let chart = harness.get_by_label(CHART).rect();
+        let end = harness.get_by_label("What happens").rect().left();
+        let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+            egui::Shape::Text(text) => {
+                Some((text.galley.text().to_owned(), text.visual_bounding_rect()))
+            }
+            _ => None,
+        });
+        let beside = texts.filter(|(_, rect)| {
+            let is_beside = rect.left() > chart.right() && rect.right() < end;
+            is_beside && chart.y_range().contains(rect.center().y)
+        });
+        beside.map(|(text, _)| text).collect::<Vec<_>>()
+    };
+    harness.get_by_label_contains("Comparing with practice…");
+    let legend = |text: &String| text.contains("practice") || text.parse::<f64>().is_ok();
+    assert!(!numbers_and_words(&harness).iter().any(legend), "{:?}", numbers_and_words(&harness));
+    wait_for(&mut harness, "plans computed");
+    while harness.query_by_label_contains("Comparing with practice…").is_some() {
+        harness.step();
+    }
+    for _ in 0..200 {
+        harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(numbers_and_words(&harness).iter().any(legend));
+}
+
+#[test]
 fn the_progress_goes_when_the_chart_is_computed_and_nothing_moves() {
     for size in [DESKTOP, PHONE] {
         let mut app = App::new(&egui::Context::default(), None, sheet(), beside_window).unwrap();

@@ -10,11 +10,14 @@ use super::theme;
 use super::view_menu::view_menu;
 use super::widgets::button_if;
 use crate::contact::Dome;
-use crate::export::{Format, Solid};
-use crate::measure::surfaces;
+use crate::export::{Body, Format, Solid};
+use crate::measure::{Field, surfaces};
+use crate::mesh::Chest;
 use crate::solve::Solution;
+use crate::view::color::linear_of_strain;
 use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, Color32, FontId, RichText, Role, TextStyle, Ui, WidgetInfo};
+use glam::DVec2;
 
 /// Arrangement of the screen, by its width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,7 +112,7 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     ui.menu_button(tr("Save shape (3-D)"), |ui| {
         ui.small(tr("Closed surfaces in mm; GLB in m"));
         egui::Grid::new("shapes").show(ui, |ui| {
-            for (name, file, formats, bodies) in SHAPES {
+            for (name, about, file, formats, bodies) in SHAPES {
                 let name = device.words(tr(name));
                 ui.label(&name);
                 let is_shown = |format: &&Format| {
@@ -121,9 +124,13 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
                     let label =
                         tr!("{name} as {extension}", name, extension = extension.to_uppercase());
                     button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
-                    if button.clicked() {
+                    let response = button.on_hover_text(device.words(tr(about)));
+                    if response.clicked() {
                         let session = &shared.session;
                         let mut bodies = bodies(session.solution());
+                        if *format == Format::Glb {
+                            bodies = with_stretch(bodies, shared);
+                        }
                         if session.scene().is_right() {
                             bodies = bodies.into_iter().map(Solid::mirrored).collect();
                         }
@@ -213,16 +220,57 @@ fn fit_in_row(ui: &mut Ui) {
 /// Closed bodies of a solution.
 type BodiesOf = fn(&Solution) -> Vec<Solid>;
 
-/// The shapes to save: name, name in files, formats.
-const SHAPES: [(&str, &str, &[Format], BodiesOf); 4] = [
-    ("Tissue", "tissue", &Format::ALL, |solution| vec![Solid::tissue(&surfaces(solution))]),
-    ("Skin", "skin", &Format::ALL, |solution| vec![Solid::skin(&surfaces(solution))]),
-    ("Implant", "implant", &Format::ALL, |solution| vec![Solid::implant(dome(solution))]),
+/// What the shapes of the tissue are.
+const IN_PLACE: &str = "As computed, over this chest";
+const SKIN_IN_PLACE: &str =
+    "As computed, over this chest; in GLB the skin has the colours of its stretch";
+
+/// The shapes to save: name, what the shape is, name in files, formats.
+const SHAPES: [(&str, &str, &str, &[Format], BodiesOf); 5] = [
+    (
+        "Implant as made",
+        "With its flat base, as from the maker: for a 3-D printer",
+        "implant",
+        &Format::ALL,
+        |solution| vec![Solid::implant(&as_made(dome(solution)))],
+    ),
+    (
+        "Implant in place",
+        "Bent to this chest, as far as it is inserted",
+        "implant-in-place",
+        &Format::ALL,
+        |solution| vec![Solid::implant(dome(solution))],
+    ),
+    ("Tissue", IN_PLACE, "tissue", &Format::ALL, |solution| {
+        vec![Solid::tissue(&surfaces(solution))]
+    }),
+    ("Skin", SKIN_IN_PLACE, "skin", &Format::ALL, |solution| {
+        vec![Solid::skin(&surfaces(solution))]
+    }),
     // Bodies that touch are for viewers, not for printers.
-    ("All parts", "shape", &[Format::Glb], |solution| {
+    ("All parts", SKIN_IN_PLACE, "shape", &[Format::Glb], |solution| {
         Solid::bodies(&surfaces(solution), dome(solution))
     }),
 ];
+
+/// An implant beside the patient: with a flat base, whole.
+fn as_made(dome: &Dome) -> Dome {
+    Dome { center: DVec2::ZERO, base_height: 0.0, chest: Chest::Flat, ..dome.clone() }
+}
+
+/// Bodies whose skin has the colours of its stretch, those of the picture.
+fn with_stretch(bodies: Vec<Solid>, shared: &Shared) -> Vec<Solid> {
+    let session = &shared.session;
+    let skin = shared.practices.skin(session.scene(), session.problem().skin_knee());
+    let strain = session.values(Field::PrincipalStrain);
+    let (surfaces, colour) =
+        (surfaces(session.solution()), |node: usize| linear_of_strain(strain[node], skin));
+    let coloured = |body: Solid| match body.body {
+        Body::Skin => body.coloured(&surfaces, colour),
+        Body::Tissue | Body::Implant => body,
+    };
+    bodies.into_iter().map(coloured).collect()
+}
 
 fn dome(solution: &Solution) -> &Dome {
     &solution.problem().obstacle.dome

@@ -304,15 +304,16 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
   test("is a mesh of the tissue, of the skin and of the implant, and a profile", async () => {
     const { page, finish } = await fixture.openApp({ isResearch: true });
     const volumes = {};
-    for (const [what, formats] of [["Implant", ["STL", "OBJ", "PLY", "GLB"]], ["Tissue", ["STL", "GLB"]], ["Skin", ["PLY"]]]) {
+    for (const [what, formats] of [["Implant as made", ["STL", "GLB"]], ["Implant in place", ["STL", "OBJ", "PLY", "GLB"]], ["Tissue", ["STL", "GLB"]], ["Skin", ["PLY"]]]) {
       for (const format of formats) {
         const file = await save(page, "Save shape (3-D)", `${what} as ${format}`);
-        const size = what === "Implant" ? "300ml" : "12cm-300ml";
-        assert.equal(file.name, `${what.toLowerCase()}-${size}.${format.toLowerCase()}`);
+        const size = what === "Implant as made" ? "300ml" : "12cm-300ml";
+        const word = what.toLowerCase().replace(" as made", "").replaceAll(" ", "-");
+        assert.equal(file.name, `${word}-${size}.${format.toLowerCase()}`);
         (volumes[what] ??= []).push(await millilitres(file));
       }
     }
-    for (const volume of volumes.Implant) assert.ok(Math.abs(volume - 300) < 1, `${volume} ml`);
+    for (const volume of [...volumes["Implant as made"], ...volumes["Implant in place"]]) assert.ok(Math.abs(volume - 300) < 1, `${volume} ml`);
     // Fat of Poisson ratio 0.49 and skin keep their volume nearly: a disc of 12 cm radius, 10 mm thick.
     const { patch_radius_mm, layers } = await harness.scene(page);
     const rest = (thickness) => (Math.PI * patch_radius_mm ** 2 * thickness) / 1e3;
@@ -334,6 +335,8 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
       for (let k = 0; k < normal.count; k++) assert.ok(Math.abs(length(k) - 1) < 1e-5);
     }
     assert.equal(new Set(bodies.map((body) => body.material.color.getHex())).size, 3);
+    // The skin has the colours of its stretch.
+    assert.deepEqual(bodies.map(({ geometry }) => geometry.attributes.color?.count > 0), [false, true, false]);
 
     const profile = await save(page, "Save profile (CSV)…");
     assert.equal(profile.name, "profile-12cm-300ml.csv");

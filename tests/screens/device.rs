@@ -38,7 +38,7 @@ fn an_expander_is_called_an_expander_throughout() {
     assert!(harness.state().summary().starts_with("300 ml expander, 12 cm wide."));
     press(&mut harness, "File");
     press(&mut harness, "Save shape (3-D)");
-    harness.get_by_role_and_label(Role::Button, "Expander as STL");
+    harness.get_by_role_and_label(Role::Button, "Expander as made as STL");
     harness.key_press(egui::Key::Escape);
     harness.run();
     // The chart and its captions too.

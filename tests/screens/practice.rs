@@ -72,9 +72,31 @@ fn measurements_correct_the_volume_that_practice_takes() {
     // The largest volume is that of practice and a step of the rule, which the skin decides.
     let words = largest_usual(&mut harness);
     assert!(
-        words.starts_with("12 cm: practice takes 360 ± 30 ml; this skin carries up to 39"),
+        words.starts_with(
+            "12 cm: practice takes 360 ± 30 ml for a base of 12 cm; this skin carries up to 39"
+        ),
         "{words}"
     );
+}
+
+#[test]
+fn an_opened_pin_keeps_the_measured_base_of_the_same_patient() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    press(&mut harness, "Pin as A");
+    harness.get_by_label(BASE).click();
+    harness.run();
+    type_into(&mut harness, "Breast base (cm)", "13");
+    type_into(&mut harness, "Volume (ml)", "340");
+    let base = |harness: &Harness<'static, App>| {
+        harness.state().session().scene().patient.clone().unwrap().measured.base_width_mm
+    };
+    press(&mut harness, "Open A");
+    assert_eq!(base(&harness), Some(130.0));
+    harness.get_by_label("Practice takes 325 ml");
+    // Another skin is another patient.
+    press(&mut harness, "lax");
+    press(&mut harness, "Open A");
+    assert_eq!(base(&harness), None);
 }
 
 #[test]
@@ -94,7 +116,7 @@ fn the_measured_base_of_the_breast_keeps_practices_volume_while_the_implant_gets
     wait_until(&mut harness, "practice", |harness| text_with(harness, "practice's 325 ml: "));
     let words = largest_usual(&mut harness);
     assert!(
-        words.starts_with("11 cm: practice takes 325 ± 30 ml for a base of 13 cm; "),
+        words.starts_with("11 cm: practice takes 325 ± 30 ml for the measured base of 13 cm; "),
         "{words}"
     );
     harness.get_by_label(BASE).click();

@@ -269,6 +269,15 @@ pub fn in_band(limits: &bands::Limits, most: f64, value: f32) -> Rgb {
     BANDS[BANDS.len() - 1].1
 }
 
+/// Linear red, green and blue of a strain of the skin on the scale of the picture, for files of other programs. `skin`: what the strain is
+/// compared with.
+#[must_use]
+pub fn linear_of_strain(strain: f32, skin: SkinLimits) -> Rgb {
+    let (limits, to_limits) = skin.limits();
+    let colour = in_band(&limits, most(skin), to_limits as f32 * strain);
+    colour.map(|v| if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) })
+}
+
 impl Scale {
     /// The stretch of skins with other limits as shares of their reserves \[-\], up to the `greatest` one.
     #[must_use]
@@ -469,6 +478,21 @@ mod tests {
     fn scale_ends_are_round_numbers_above_the_value() {
         for (value, nice) in [(0.13, 0.2), (3.0, 4.0), (8.1, 10.0), (42.0, 80.0), (100.0, 100.0)] {
             assert!((nice_above(value) - nice).abs() < 1e-9 * nice, "{value}");
+        }
+    }
+
+    #[test]
+    fn the_linear_colours_of_a_file_are_those_of_the_scale() {
+        let skin = SkinLimits::Tearing;
+        let scale = strain_scale(0.6, skin);
+        for k in [0, 40, 90, 200] {
+            let strain = scale.high * (k as f32 + 0.5) / TABLE_SIZE as f32;
+            let linear = linear_of_strain(strain, skin);
+            let srgb = linear.map(|v| {
+                if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+            });
+            let [a, b] = [srgb, scale.table[k]];
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-3), "{k}: {a:?} {b:?}");
         }
     }
 }

@@ -27,6 +27,16 @@ pub struct Patient {
     pub derived: Vec<String>,
 }
 
+impl Patient {
+    /// The measured base of the breast of the same patient now \[mm\]: all other measurements are equal. `None` with a measured pull, of which the
+    /// base is a part.
+    pub(crate) fn base_now(&self, now: &Self) -> Option<f64> {
+        let others = |patient: &Self| Measurements { base_width_mm: None, ..patient.measured };
+        let is_same = self.measured.skin_pull_mm.is_none() && others(self) == others(now);
+        now.measured.base_width_mm.filter(|_| is_same)
+    }
+}
+
 /// Greatest number of derived fields in a file.
 const MAX_DERIVED: usize = 16;
 

@@ -26,7 +26,7 @@ pub enum Command {
     Unpin(Letter),
     /// Changes the name of a pin.
     Rename(Letter, String),
-    /// Opens the scene of a pin in place of the current scene, as one undo step. The pin and the visit stay.
+    /// Opens the scene of a pin in place of the current scene, as one undo step. The pin, the visit and the measured base of the same patient's breast stay.
     OpenPin(Letter),
 }
 

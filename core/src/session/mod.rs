@@ -200,7 +200,12 @@ impl Session {
                 // Visit and side are the patient's: a pin without a side takes none away.
                 let side = pin.scene().side.or(self.scene.side);
                 let visit = self.scene.visit.clone();
-                let scene = Scene { side, visit, ..pin.scene().clone() };
+                let mut scene = Scene { side, visit, ..pin.scene().clone() };
+                // So is the measured base of the breast.
+                if let (Some(patient), Some(now)) = (&mut scene.patient, &self.scene.patient) {
+                    let base = patient.base_now(now);
+                    patient.measured.base_width_mm = base.or(patient.measured.base_width_mm);
+                }
                 self.replace(CheckedScene::new(scene)?, false);
                 self.last_gesture = None;
             }

@@ -1,4 +1,5 @@
-//! Binary glTF 2.0: each body one closed mesh with unit normals and its own material; lengths in m, y up.
+//! Binary glTF 2.0: each body one closed mesh with unit normals and its own material, and with the colours of its vertices if it has
+//! any; lengths in m, y up.
 
 use super::Solid;
 use glam::{DVec3, Vec3};
@@ -33,12 +34,18 @@ pub(super) fn encode(solids: &[Solid]) -> Vec<u8> {
         let position = file.vectors(&positions, true);
         let normal = file.vectors(&normals, false);
         let indices = file.indices(&indices);
+        let mut attributes = json!({ "POSITION": position, "NORMAL": normal });
+        let Material { mut colour, roughness } = solid.body.material();
+        if !solid.colours.is_empty() {
+            attributes["COLOR_0"] = json!(file.vectors(&solid.colours, false));
+            // The colour of the material is a factor of that of a vertex.
+            colour = [1.0; 3];
+        }
         meshes.push(json!({ "name": name, "primitives": [{
-            "attributes": { "POSITION": position, "NORMAL": normal },
-            "indices": indices, "material": k,
+            "attributes": attributes, "indices": indices, "material": k,
         }]}));
         nodes.push(json!({ "name": name, "mesh": k }));
-        let Material { colour: [r, g, b], roughness } = solid.body.material();
+        let [r, g, b] = colour;
         materials.push(json!({ "name": name, "pbrMetallicRoughness": {
             "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness,
         }}));

@@ -57,6 +57,8 @@ pub struct Solid {
     pub vertices: Vec<Vec3>,
     /// The parts, which together are closed.
     pub parts: Vec<Part>,
+    /// Linear red, green and blue of each vertex \[-\]; empty for a body in the colour of its material.
+    pub colours: Vec<[f32; 3]>,
 }
 
 impl Solid {
@@ -71,7 +73,7 @@ impl Solid {
     pub fn under_skin(surfaces: &Surfaces) -> Self {
         let outer = surfaces.positions.len() - 2;
         if outer == 0 {
-            return Self { body: Body::Tissue, vertices: Vec::new(), parts: Vec::new() };
+            return Self::empty(Body::Tissue);
         }
         Self::between(Body::Tissue, surfaces, 0, outer)
     }
@@ -101,7 +103,7 @@ impl Solid {
         const INNER: f64 = 0.97;
         let body = Body::Implant;
         if dome.top() <= 1e-9 {
-            return Self { body, vertices: Vec::new(), parts: Vec::new() };
+            return Self::empty(body);
         }
         let mut vertices = vec![dome.apex().as_vec3()];
         vertices.extend(dome.circles(RINGS, AROUND).skip(AROUND).map(DVec3::as_vec3));
@@ -148,18 +150,30 @@ impl Solid {
             Part { name: "dome", triangles: dome_triangles },
             Part { name: "base", triangles: base },
         ];
-        Self { body, vertices, parts }
+        Self { body, vertices, parts, colours: Vec::new() }
+    }
+
+    fn empty(body: Body) -> Self {
+        Self { body, vertices: Vec::new(), parts: Vec::new(), colours: Vec::new() }
+    }
+
+    /// A body of the tissue of `surfaces` with a colour at each node of the sheet, the same on both faces.
+    #[must_use]
+    pub fn coloured(self, surfaces: &Surfaces, colour: impl Fn(usize) -> [f32; 3]) -> Self {
+        let mut colours = vec![[0.0; 3]; self.vertices.len()];
+        let number = numbers(surfaces);
+        for (vertex, k) in &number {
+            let colour = colour(surfaces.nodes[*vertex as usize] as usize);
+            let k = *k as usize;
+            (colours[k], colours[k + number.len()]) = (colour, colour);
+        }
+        Self { colours, ..self }
     }
 
     /// The layers from a face to a face further out.
     fn between(body: Body, surfaces: &Surfaces, inner: usize, outer: usize) -> Self {
         let (inner, outer) = (&surfaces.positions[inner], &surfaces.positions[outer]);
-        // Border nodes without a triangle are omitted.
-        let mut number = BTreeMap::new();
-        for vertex in surfaces.triangles.iter().flatten() {
-            let next = number.len() as u32;
-            number.entry(*vertex).or_insert(next);
-        }
+        let number = numbers(surfaces);
         let count = number.len() as u32;
         let mut vertices = vec![Vec3::ZERO; 2 * number.len()];
         for (&vertex, &k) in &number {
@@ -184,6 +198,7 @@ impl Solid {
                 Part { name: "skin", triangles: skin },
                 Part { name: "border", triangles: border },
             ],
+            colours: Vec::new(),
         }
     }
 
@@ -200,6 +215,16 @@ impl Solid {
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.parts.iter().flat_map(|part| part.triangles.iter().copied())
     }
+}
+
+/// The number of each vertex of the surfaces on a face of a body. Border nodes without a triangle are omitted.
+fn numbers(surfaces: &Surfaces) -> BTreeMap<u32, u32> {
+    let mut number = BTreeMap::new();
+    for vertex in surfaces.triangles.iter().flatten() {
+        let next = number.len() as u32;
+        number.entry(*vertex).or_insert(next);
+    }
+    number
 }
 
 /// Directed edges of exactly one triangle.
@@ -223,7 +248,7 @@ mod tests {
 
     const CURVED: Chest = Chest::Curved { across_mm: 110.0, along_mm: -300.0 };
 
-    fn flat(thickness: f32) -> Solid {
+    fn flat_surfaces(thickness: f32) -> Surfaces {
         let sheet = Sheet::new(33, 50.0);
         let inner = sheet.rest().iter().map(|p| p.extend(0.0).as_vec3()).collect();
         let stack = Stack {
@@ -232,7 +257,11 @@ mod tests {
             normal: vec![Vec3::Z; sheet.len()],
         };
         let faces = stack.faces(inner);
-        Solid::tissue(&of_faces(&sheet, &stack, &faces))
+        of_faces(&sheet, &stack, &faces)
+    }
+
+    fn flat(thickness: f32) -> Solid {
+        Solid::tissue(&flat_surfaces(thickness))
     }
 
     fn volume(solid: &Solid) -> f64 {
@@ -250,6 +279,37 @@ mod tests {
         for solid in [flat(3.0), Solid::implant(&dome), Solid::implant(&draped)] {
             assert!(border_edges(&solid.triangles().collect::<Vec<_>>()).is_empty());
         }
+    }
+
+    #[test]
+    fn a_coloured_skin_is_read_back_with_the_colours_of_its_nodes() {
+        let surfaces = flat_surfaces(3.0);
+        // The place of a node as its colour.
+        let place = |node: usize| {
+            let vertex = surfaces.nodes.iter().position(|k| *k as usize == node).unwrap();
+            let [x, y, _] = surfaces.positions[0][vertex];
+            [0.5 + 0.01 * x, 0.5 + 0.01 * y, 0.25]
+        };
+        let skin = Solid::skin(&surfaces).coloured(&surfaces, place);
+        let bytes = crate::export::Format::Glb.encode(std::slice::from_ref(&skin));
+        let file = gltf::Gltf::from_slice(&bytes).unwrap();
+        let blob = file.blob.as_deref().unwrap();
+        let primitive = file.meshes().next().unwrap().primitives().next().unwrap();
+        let reader = primitive.reader(|_| Some(blob));
+        let colours: Vec<[f32; 3]> = reader.read_colors(0).unwrap().into_rgb_f32().collect();
+        assert_eq!(colours.len(), skin.vertices.len());
+        for ([r, g, b], at) in colours.into_iter().zip(&skin.vertices) {
+            assert!((r - 0.5 - 0.01 * at.x).abs() < 1e-6 && (g - 0.5 - 0.01 * at.y).abs() < 1e-6);
+            assert!((b - 0.25).abs() < 1e-6);
+        }
+        // A viewer multiplies the colours with that of the material.
+        let factor = primitive.material().pbr_metallic_roughness().base_color_factor();
+        assert!(factor.iter().all(|part| (part - 1.0).abs() < 1e-6));
+        // A body without colours has those of its material alone.
+        let bytes = crate::export::Format::Glb.encode(&[Solid::skin(&surfaces)]);
+        let file = gltf::Gltf::from_slice(&bytes).unwrap();
+        let primitive = file.meshes().next().unwrap().primitives().next().unwrap();
+        assert!(primitive.get(&gltf::Semantic::Colors(0)).is_none());
     }
 
     #[test]

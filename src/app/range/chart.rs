@@ -143,8 +143,11 @@ impl Chart {
             drawn.is_previous = true;
             return;
         }
-        let scale = Scale::new(quantity, map.limits(quantity), range);
-        let scale = if has_words { scale } else { scale.without_words() };
+        let scale = match has_words {
+            true => Scale::new(quantity, map.limits(quantity), range),
+            false => Scale::waiting(quantity, range),
+        };
+        let levels = if has_words { map.levels(quantity) } else { Vec::new() };
         let texture = (map.axes().len() == 2).then(|| {
             let stripes = theme::palette(ui.visuals()).edge;
             let image: ColorImage = picture(map, quantity, &scale, stripes);
@@ -168,7 +171,7 @@ impl Chart {
             axes: map.axes().to_vec(),
             is_previous: false,
             texture,
-            contours: map.levels(quantity).into_iter().map(level).collect(),
+            contours: levels.into_iter().map(level).collect(),
             scale,
             volumes: volumes.into_iter().map(volume).collect(),
             sizes: map.typical_sizes(),

@@ -26,8 +26,8 @@ pub(super) struct Scale {
     pub(super) unit: &'static str,
     factor: f64,
     quantity: Quantity,
-    /// Are the limits those of the words?
-    has_words: bool,
+    /// Is the scale grey, without numbers and words?
+    is_waiting: bool,
 }
 
 impl Scale {
@@ -57,12 +57,12 @@ impl Scale {
             (None, None) => (0.0, 1.0),
         };
         let most = limits.as_ref().map_or(ends.1, |(limits, to_limits)| end(limits) / to_limits);
-        Self { ends, most, limits, unit, factor, quantity, has_words: true }
+        Self { ends, most, limits, unit, factor, quantity, is_waiting: false }
     }
 
-    /// The scale with its numbers alone: its limits stand for those of practice, which are not known yet.
-    pub(super) fn without_words(self) -> Self {
-        Self { has_words: false, ..self }
+    /// The scale of a quantity whose limits, those of practice, are not known yet: grey, without numbers and words.
+    pub(super) fn waiting(quantity: Quantity, range: Option<(f64, f64)>) -> Self {
+        Self { is_waiting: true, ..Self::new(quantity, None, range) }
     }
 
     /// Colour of a value \[unit of the quantity\].
@@ -77,6 +77,7 @@ impl Scale {
             Some((limits, to_limits)) => {
                 in_band(limits, to_limits * self.most, (to_limits * value) as f32)
             }
+            None if self.is_waiting => grey(((value - least) / (most - least)) as f32),
             None => sequential(((value - least) / (most - least)) as f32),
         })
     }
@@ -118,6 +119,7 @@ impl Scale {
                 let shown = shown.filter(|v| *v > 0.0 && (from..=to).contains(v));
                 shown.map(|v| (v, self.text_of_limit(v))).collect()
             }
+            None if self.is_waiting => Vec::new(),
             None => {
                 let values = marks(self.ends, 5);
                 let step = values.windows(2).next().map_or(1.0, |pair| pair[1] - pair[0]);
@@ -137,8 +139,7 @@ impl Scale {
 
     /// Words at the middle of their bands, as far as these are shown.
     pub(super) fn words(&self) -> Vec<(f64, &'static str)> {
-        let limits = self.limits.as_ref().filter(|_| self.has_words);
-        let Some((limits, to_limits)) = limits else { return Vec::new() };
+        let Some((limits, to_limits)) = &self.limits else { return Vec::new() };
         let mut from = self.ends.0;
         let word = |band: &Band| {
             let to = band.limit.map_or(self.ends.1, |limit| limit / to_limits).min(self.ends.1);
@@ -153,6 +154,11 @@ impl Scale {
 /// End of the bars of limits, as in the answer \[unit of the limits\].
 fn end(limits: &Limits) -> f64 {
     1.25 * limits.bands.iter().filter_map(|band| band.limit).next_back().unwrap_or(1.0)
+}
+
+/// A grey from light to dark for 0 to 1.
+fn grey(t: f32) -> Rgb {
+    [0.85 - 0.4 * t.clamp(0.0, 1.0); 3]
 }
 
 fn rgb(color: Rgb) -> Color32 {
@@ -276,8 +282,12 @@ mod tests {
         let strained = scale_of_range(Quantity::GreatestStrain, Some((0.3, 0.45)));
         assert_eq!((strained.ends, strained.words()), ((25.0, 50.0), vec![(37.5, "high")]));
         assert_eq!(strained.color(0.3), scale.color(0.3));
-        let waiting = strained.without_words();
-        assert_eq!((waiting.marks().len(), waiting.words().len()), (2, 0));
+        let waiting = Scale::waiting(Quantity::GreatestStrain, Some((0.3, 0.45)));
+        assert_eq!((waiting.marks().len(), waiting.words().len()), (0, 0));
+        for strain in [0.3, 0.4, 0.45] {
+            let [r, g, b, _] = waiting.color(strain).to_array();
+            assert!(r == g && g == b, "{strain}");
+        }
         let cover = scale_of_range(Quantity::LeastCoverMm, Some((3.0, 9.0)));
         assert_eq!((cover.ends, cover.words().len()), ((3.0, 9.0), 0));
         assert_ne!(cover.color(3.0), cover.color(9.0));

@@ -55,6 +55,9 @@ impl Range {
         let in_full = map.solved_in_full();
         let (done, all) = (self.map.progress().0 - in_full, map.cases().len());
         let mut words = Vec::new();
+        if self.quantity == Quantity::GreatestStrain && self.practice.is_pending() {
+            words.push(tr("Comparing with practice…").to_owned());
+        }
         if done < all {
             words.push(tr!("{done} of {all} plans computed.", done, all));
         } else {

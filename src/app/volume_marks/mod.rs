@@ -187,10 +187,14 @@ impl VolumeMarks {
         let is_expander = self.own.is_of_expander();
         let words = match (practice, largest) {
             (Some(ml), largest) => {
-                let takes = match base == width {
-                    true => {
-                        tr!("{width} cm: practice takes {ml:.0} ± {step:.0} ml; ", width, ml, step)
-                    }
+                let takes = match has_measured_base(curve.base()) {
+                    true => tr!(
+                        "{width} cm: practice takes {ml:.0} ± {step:.0} ml for the measured base of {base} cm; ",
+                        width,
+                        ml,
+                        step,
+                        base
+                    ),
                     false => tr!(
                         "{width} cm: practice takes {ml:.0} ± {step:.0} ml for a base of {base} cm; ",
                         width,
@@ -330,6 +334,11 @@ fn full(plan: &Scene) -> Scene {
     Scene { insertion: 1.0, ..plan.clone() }
 }
 
+/// Is the base of the breast measured, or that of the implant?
+fn has_measured_base(plan: &Scene) -> bool {
+    plan.patient.as_ref().is_some_and(|patient| patient.measured.base_width_mm.is_some())
+}
+
 /// Width of the implant of a scene \[cm\], as "12".
 fn width_in_words(scene: &Scene) -> String {
     centimetres(2.0 * scene.implant.base_radius_mm)
@@ -408,7 +417,10 @@ mod tests {
             let own = width(120.0, vec![as_practice, end], Some(330.0));
             let marks = VolumeMarks { own, ..VolumeMarks::default() };
             let words = marks.largest_usual(&practices);
-            assert_eq!(words, format!("12 cm: practice takes 300 ± 30 ml; {expected}."));
+            assert_eq!(
+                words,
+                format!("12 cm: practice takes 300 ± 30 ml for a base of 12 cm; {expected}.")
+            );
         }
         // An implant of another shape than practice's round one, on a breast whose base is measured.
         let mut plan = Scene::opening();
@@ -419,7 +431,7 @@ mod tests {
         let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(310.0));
         assert_eq!(
             VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices),
-            "12 cm: practice takes 325 ± 30 ml for a base of 13 cm; this skin carries up to 310 ml of this shape with the same stretch."
+            "12 cm: practice takes 325 ± 30 ml for the measured base of 13 cm; this skin carries up to 310 ml of this shape with the same stretch."
         );
     }
 

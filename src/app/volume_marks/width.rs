@@ -8,14 +8,14 @@ use crate::app::texts::tr;
 use crate::app::volumes::highest_sold_ml;
 use crate::measure::bands::SkinLimits;
 use crate::scene::Scene;
-use crate::study::{Axis, FirstUsual, Map, MapSettings, Parameter, Quantity, with_values};
+use crate::study::{
+    Axis, FirstUsual, Map, MapSettings, Parameter, Quantity, USUAL_STEP_ML, with_values,
+};
 
 /// Grid and tolerance of the curve.
 pub(super) const SETTINGS: MapSettings = MapSettings { nodes_per_side: 33, tolerance: 1e-3 };
 /// Projection / half base width of the greatest volume \[-\]: from 1.36 on a scene may have no answer.
 pub(super) const MOST_RATIO: f64 = 1.3;
-/// Step of the volumes that are checked \[ml\].
-const STEP_ML: f64 = 5.0;
 /// Steps above the volume of the curve from which on volumes are checked: the coarse grid may be too strict.
 const STEPS_ABOVE: u32 = 2;
 
@@ -119,7 +119,7 @@ impl Width {
         let volume = self.largest_ml()?;
         let most = self.curve().map(|curve| highest_sold_ml(&curve.base().implant));
         Some(volume.map(|volume| {
-            let is_highest = most.is_some_and(|most| volume + STEP_ML > most);
+            let is_highest = most.is_some_and(|most| volume + USUAL_STEP_ML > most);
             let highest = if is_highest { tr(" (the highest profile sold)") } else { "" };
             format!("{volume:.0} ml{highest}")
         }))
@@ -166,12 +166,12 @@ impl Width {
 
 /// The volumes of an axis from a little above the first mark downwards, up to the `most` \[ml\].
 fn checked_volumes(axis: &Axis, most: f64, marks: &[Mark]) -> Vec<f64> {
-    let whole = |volume: f64| (volume / STEP_ML + 1e-9).floor();
+    let whole = |volume: f64| (volume / USUAL_STEP_ML + 1e-9).floor();
     let above = |mark: &Mark| whole(mark.volume_ml) + f64::from(STEPS_ABOVE);
     let first = marks.iter().find(|mark| mark.ends_usual());
     let first = first.map_or(f64::INFINITY, above).min(whole(axis.to.min(most)));
-    let count = (first - axis.from / STEP_ML).max(-1.0).floor() + 1.0;
-    (0..count as usize).map(|k| STEP_ML * (first - k as f64)).collect()
+    let count = (first - axis.from / USUAL_STEP_ML).max(-1.0).floor() + 1.0;
+    (0..count as usize).map(|k| USUAL_STEP_ML * (first - k as f64)).collect()
 }
 
 #[cfg(test)]
