@@ -6,9 +6,9 @@ use crate::app::practice::Practices;
 use crate::scene::Scene;
 use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 
-/// Lines of the sentence in a column and in a broader room, and least width of that \[points\].
-const LINES: (f32, f32) = (3.0, 2.0);
-const BROAD: f32 = 330.0;
+/// Lines of the sentence in a narrow column and in a broader room, and least width of that \[points\].
+const LINES: (f32, f32) = (4.0, 3.0);
+const BROAD: f32 = 280.0;
 
 /// Shows the sentence in a room that it always has; returns the plan of the volume if the link is pressed.
 pub(in crate::app) fn headline(
