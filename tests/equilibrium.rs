@@ -8,7 +8,7 @@ use implant_preview::mesh::NodeKind;
 use implant_preview::scene::Scene;
 use implant_preview::simulate::{measure, simulate};
 use implant_preview::solve::{Method, Options, Progress, Solver, Verdict};
-use implant_preview::springs::coupled::{CoupledLaw, LawLayer};
+use implant_preview::springs::coupled::CoupledLaw;
 use implant_preview_lab::axisymmetric;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -612,16 +612,7 @@ fn exact_pressure(scene: &Scene) -> [f64; 2] {
     let dome = &problem.obstacle.dome;
     let solution =
         axisymmetric::solve(dome, problem.patch.pocket_radius_mm, &problem.materials).unwrap();
-    let layers: Vec<LawLayer> = problem
-        .materials
-        .iter()
-        .map(|m| LawLayer {
-            curve: &m.curve,
-            poisson_ratio: m.poisson_ratio,
-            thickness_mm: m.thickness_mm,
-        })
-        .collect();
-    let law = CoupledLaw::new(&layers);
+    let law = CoupledLaw::new(&problem.materials);
     let (mut force, mut area, mut greatest) = (0.0, 0.0, 0.0_f64);
     let steps = 20_000;
     for k in 0..steps {

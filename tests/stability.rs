@@ -5,7 +5,7 @@ use glam::{DMat2, DVec2};
 use implant_preview::curve::{Curve, CurveSpec};
 use implant_preview::springs::Material;
 use implant_preview::springs::Springs;
-use implant_preview::springs::coupled::{CoupledLaw, LawLayer};
+use implant_preview::springs::coupled::CoupledLaw;
 use implant_preview::springs::paper::{self, Spring};
 use implant_preview::springs::stability::{Lattice, Limits, Load, Search, Stack, Wave};
 use implant_preview_lab::sample::{STABILITY_THRESHOLD, Sample};
@@ -26,7 +26,7 @@ fn layer(name: &str, poisson_ratio: f64, thickness_mm: f64) -> Material {
         "linear" => CurveSpec::Linear { modulus_kpa: 100.0 },
         _ => CurveSpec::Exponential { scale_kpa: 2.0, rate: 4.0 },
     };
-    Material { curve: Curve::new(&spec).expect("a good curve"), poisson_ratio, thickness_mm }
+    Material::new(Curve::new(&spec).expect("a good curve"), poisson_ratio, thickness_mm)
 }
 
 /// Small-strain edge stiffness \[kPa·mm\].
@@ -365,9 +365,11 @@ fn bonded_layers_add_and_share_their_transverse_strain() {
 fn out_of_plane_stiffness_of_coupled_springs_is_the_tension() {
     let l = layer("skin", 0.45, 1.0);
     let (lattice, _, stretch) = lattice(Springs::Coupled, &l, Load::Equibiaxial, 0.3);
-    let law = LawLayer { curve: &l.curve, poisson_ratio: 0.45, thickness_mm: 1.0 };
-    let [sx, sy, sxy] =
-        CoupledLaw::new(&[law]).second_piola_kirchhoff([stretch.x.powi(2), stretch.y.powi(2), 0.0]);
+    let [sx, sy, sxy] = CoupledLaw::new(std::slice::from_ref(&l)).second_piola_kirchhoff([
+        stretch.x.powi(2),
+        stretch.y.powi(2),
+        0.0,
+    ]);
     let k = DVec2::new(1e-3, 2e-3);
     let wanted = (sx * k.x * k.x + sy * k.y * k.y + 2.0 * sxy * k.x * k.y) / stiffness(&[l]);
     let found = lattice.dynamical_matrix(k.to_array())[3];

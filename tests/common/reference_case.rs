@@ -15,11 +15,9 @@ fn material(layer: &Value) -> Material {
         curve => curve.clone(),
     };
     let curve: ScaledCurve = serde_json::from_value(curve).unwrap();
-    Material {
-        curve: Curve::scaled(&curve).unwrap(),
-        poisson_ratio: number(layer, "poisson_ratio"),
-        thickness_mm: number(layer, "thickness_mm"),
-    }
+    let [poisson_ratio, thickness_mm] =
+        ["poisson_ratio", "thickness_mm"].map(|name| number(layer, name));
+    Material::new(Curve::scaled(&curve).unwrap(), poisson_ratio, thickness_mm)
 }
 
 /// The input on the mesh of the case, without wrinkles and flat.

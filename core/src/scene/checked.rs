@@ -53,8 +53,7 @@ impl CheckedScene {
         let material = |(k, layer): (usize, &super::Layer)| {
             let curve = Curve::scaled(&layer.curve)
                 .map_err(|source| SceneError::Curve { layer: k, source })?;
-            let (poisson_ratio, thickness_mm) = (layer.poisson_ratio, layer.thickness_mm);
-            Ok(Material { curve, poisson_ratio, thickness_mm })
+            Ok(Material::new(curve, layer.poisson_ratio, layer.thickness_mm))
         };
         let materials = scene.layers.iter().enumerate().map(material).collect::<Result<_, _>>()?;
         Ok(Self { scene, materials, wall, thickness })

@@ -394,7 +394,7 @@ mod tests {
             compare(x, |x| cell.energy(&law, x), |x| cell.linearise(&law, x).unwrap());
         }
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
-        let material = Material { curve, poisson_ratio: 0.45, thickness_mm: 1.5 };
+        let material = Material::new(curve, 0.45, 1.5);
         let ring = SkinRing::new([[20.0, 3.0], [22.0, 2.6]]);
         // Taut, and wrinkled around the axis.
         for x in [[25.0, 12.0, 27.3, 11.0], [15.0, 12.0, 17.0, 11.0]] {

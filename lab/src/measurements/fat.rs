@@ -66,11 +66,7 @@ pub fn comparison() -> Result<Comparison, CurveError> {
         }));
     }
     for (model, curve, poisson_ratio) in &curves {
-        let slab = Slab::new(&Material {
-            curve: curve.clone(),
-            poisson_ratio: *poisson_ratio,
-            thickness_mm: 1.0,
-        });
+        let slab = Slab::new(&Material::new(curve.clone(), *poisson_ratio, 1.0));
         let tangent = |strain: f64| {
             let [up, down] = [0.01, -0.01].map(|step| slab.uniaxial(1.0 + strain + step).0);
             (up - down) / 0.02

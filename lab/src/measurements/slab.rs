@@ -1,11 +1,10 @@
 //! A slab of solid tissue under homogeneous loads: the law of the solver with its tables, and closed forms of the same law.
 //!
-//! Uses `model` (the law). Used by `treloar`, `fat`, `verification`.
+//! Uses `model`, `springs` (the law). Used by `treloar`, `fat`, `verification`.
 
 use implant_preview_core::curve::Curve;
-use implant_preview_core::model::layered::curve_law::CurveLaw;
 use implant_preview_core::springs::Material;
-use implant_preview_core::springs::table::Table;
+use implant_preview_core::springs::solids::ExactLaw;
 
 /// Steps of a bisection: 2⁻⁶⁰ of the interval.
 const BISECTIONS: u32 = 60;
@@ -15,7 +14,7 @@ const SEARCH: f64 = 1.5;
 /// A homogeneous slab of one solid.
 #[derive(Debug)]
 pub struct Slab {
-    law: CurveLaw<f64, Table>,
+    law: ExactLaw,
 }
 
 /// The zero of an increasing function in an interval.
@@ -31,7 +30,7 @@ impl Slab {
     /// A slab of a material; its thickness does not matter.
     #[must_use]
     pub fn new(material: &Material) -> Self {
-        Self { law: CurveLaw::new(material) }
+        Self { law: ExactLaw::new(material) }
     }
 
     /// Nominal stresses \[kPa\] of principal stretches \[-\].

@@ -52,11 +52,7 @@ pub fn comparison() -> Result<Comparison, CurveError> {
     let mut points = vec![[0.0, 0.0]];
     points.extend(UNIAXIAL.map(|(stretch, value)| [stretch - 1.0, KPA * value]));
     let curve = Curve::new(&CurveSpec::Points { points, interpolation: Interpolation::Spline })?;
-    let slab = Slab::new(&Material {
-        curve: curve.clone(),
-        poisson_ratio: POISSON_RATIO,
-        thickness_mm: 1.0,
-    });
+    let slab = Slab::new(&Material::new(curve.clone(), POISSON_RATIO, 1.0));
     let laws: [(&str, Stress); 3] = [
         (COUPLED, Box::new(|l| biot_stress(&curve, POISSON_RATIO, [l - 1.0; 2])[0])),
         (SOLID, Box::new(|l| slab.equibiaxial(l))),

@@ -55,7 +55,7 @@ pub fn row(
     load: Load,
     strains: &[f64],
 ) -> Vec<Point> {
-    let layer = [Material { curve: curve.clone(), poisson_ratio, thickness_mm: 1.0 }];
+    let layer = [Material::new(curve.clone(), poisson_ratio, 1.0)];
     let stack = Stack::new(springs, &layer);
     let sample = Sample::new(CELLS, springs, curve, poisson_ratio);
     let point = |&strain: &f64| {
@@ -108,7 +108,7 @@ mod tests {
             (CurveSpec::Skin {}, 0.45, Springs::Coupled),
         ] {
             let curve = Curve::new(&spec).unwrap();
-            let layer = [Material { curve: curve.clone(), poisson_ratio: nu, thickness_mm: 1.0 }];
+            let layer = [Material::new(curve.clone(), nu, 1.0)];
             let stack = Stack::new(springs, &layer);
             for load in Load::ALL {
                 let strains = stack.strains(load, 0.6);

@@ -5,6 +5,7 @@ use crate::{axisymmetric as sheet, axisymmetric_layers as layers};
 use implant_preview_core::scene::Scene;
 use implant_preview_core::solve::{Problem, Tissue};
 use implant_preview_core::springs::Springs;
+use implant_preview_core::springs::solids::SolidKind;
 
 /// A face of the tissue; both are the sheet's only face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,10 @@ fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<P
     let Problem { patch, obstacle, materials, .. } = problem;
     let attachment = patch.attachment()?;
     let radius_mm = scene.chest.map(|chest| chest.radius_across_mm);
+    // The reference has the curve's law.
+    if problem.solids().iter().any(|solid| solid.solid != SolidKind::Curve) {
+        return None;
+    }
     let stiffens = problem.solids().iter().all(|solid| solid.curve.stiffens());
     let weight = EXTRAPOLATION[usize::from(!stiffens)];
     let on = |cells: [usize; 2]| {

@@ -35,10 +35,10 @@ pub use selection::{Selected, Selection, UnknownField, Written};
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 
-use crate::model::layered::curve_law::MAX_POISSON_RATIO;
 use crate::model::membrane::deformation::Summary;
 use crate::solve::{Invalid, Method, Problem, Report, Solution, Tissue, Verdict};
 use crate::springs::Springs;
+use crate::springs::solids::MAX_POISSON_RATIO;
 use glam::DVec3;
 use std::f64::consts::PI;
 

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 /// A layer of 2 mm.
 pub(crate) fn layer(curve: &CurveSpec, poisson_ratio: f64) -> Material {
-    Material { curve: Curve::new(curve).unwrap(), poisson_ratio, thickness_mm: 2.0 }
+    Material::new(Curve::new(curve).unwrap(), poisson_ratio, 2.0)
 }
 
 /// A sheet over a half-ball of 55 mm, to an error of 1e-3.

@@ -17,6 +17,7 @@
 //!
 //! Uses `curve`, `number`. Used by `model`, `measure`, the lab.
 
+use super::Material;
 use super::closed_form::{self, Group, GroupNumbers};
 use super::table::{Buckets, Table, Weight};
 use crate::curve::Curve;
@@ -77,17 +78,6 @@ pub fn relaxed(strain: [f64; 2], poisson_ratio: f64) -> [f64; 2] {
 pub fn relaxed_response(curve: &Curve, poisson_ratio: f64, strain: [f64; 2]) -> PrincipalResponse {
     let at = relaxed(strain, poisson_ratio);
     principal_response(curve, poisson_ratio, at).relaxed_from(strain, at)
-}
-
-/// A layer as the law needs it.
-#[derive(Clone, Copy, Debug)]
-pub struct LawLayer<'a> {
-    /// Stress–strain curve.
-    pub curve: &'a Curve,
-    /// Poisson ratio \[-\].
-    pub poisson_ratio: f64,
-    /// Thickness \[mm\].
-    pub thickness_mm: f64,
 }
 
 /// The law of a stack of bonded layers. Layers of equal ν have the same ē, whatever their curves:
@@ -166,15 +156,15 @@ impl PrincipalResponse {
 impl CoupledLaw {
     /// The law of the given layers, which wrinkle instead of being compressed, each by itself: see [`relaxed`].
     #[must_use]
-    pub fn new(layers: &[LawLayer]) -> Self {
-        let mut groups: Vec<(f64, Vec<LawLayer>)> = Vec::new();
+    pub fn new(layers: &[Material]) -> Self {
+        let mut groups: Vec<(f64, Vec<&Material>)> = Vec::new();
         for layer in layers {
             match groups.iter_mut().find(|(nu, _)| nu.to_bits() == layer.poisson_ratio.to_bits()) {
-                Some((_, members)) => members.push(*layer),
-                None => groups.push((layer.poisson_ratio, vec![*layer])),
+                Some((_, members)) => members.push(layer),
+                None => groups.push((layer.poisson_ratio, vec![layer])),
             }
         }
-        let merged = |(nu, members): (f64, Vec<LawLayer>)| Merged::new(nu, &members);
+        let merged = |(nu, members): (f64, Vec<&Material>)| Merged::new(nu, &members);
         Self { layers: groups.into_iter().map(merged).collect() }
     }
 
@@ -255,9 +245,9 @@ impl CoupledLaw {
 }
 
 impl Merged {
-    fn new(poisson_ratio: f64, layers: &[LawLayer]) -> Self {
+    fn new(poisson_ratio: f64, layers: &[&Material]) -> Self {
         let sum = |f: &dyn Fn(&Curve) -> f64| -> f64 {
-            layers.iter().map(|layer| layer.thickness_mm * f(layer.curve)).sum()
+            layers.iter().map(|layer| layer.thickness_mm * f(&layer.curve)).sum()
         };
         let end = layers.iter().map(|layer| layer.curve.table_end()).fold(0.0, f64::max);
         let mut breaks: Vec<f64> =
@@ -336,12 +326,9 @@ mod tests {
         let error = |strain_scale: f64| {
             let (skin, fat) =
                 (scaled(CurveSpec::Skin {}, 1.0), scaled(CurveSpec::Adipose {}, strain_scale));
-            let layers = [(&skin, 1.5), (&fat, 10.0)].map(|(curve, thickness_mm)| LawLayer {
-                curve,
-                poisson_ratio: 0.45,
-                thickness_mm,
-            });
-            let law = CoupledLaw::new(&layers);
+            let layers = [(&skin, 1.5), (&fat, 10.0)];
+            let law =
+                CoupledLaw::new(&layers.map(|(curve, h)| Material::new(curve.clone(), 0.45, h)));
             let errors = (1..=100).map(|k| {
                 let strain = [0.01 * f64::from(k), -0.0045 * f64::from(k)];
                 let exact = 1.5 * skin.stress(strain[0]) + 10.0 * fat.stress(strain[0]);
@@ -359,7 +346,7 @@ mod tests {
     fn the_table_is_the_law_within_its_stated_error() {
         for curve in &curves() {
             for poisson_ratio in [0.0, 0.3, 0.5] {
-                let law = CoupledLaw::new(&[LawLayer { curve, poisson_ratio, thickness_mm: 2.0 }]);
+                let law = CoupledLaw::new(&[Material::new(curve.clone(), poisson_ratio, 2.0)]);
                 assert!(law.table_error() <= TABLE_ERROR, "{:.1e}", law.table_error());
                 let peak = curve.stress(curve.line_start());
                 for k in 0..5000 {
@@ -396,11 +383,7 @@ mod tests {
     #[test]
     fn the_closed_form_of_the_tension_is_that_of_the_principal_strains() {
         let curves = curves();
-        let layer = |k: usize, poisson_ratio| LawLayer {
-            curve: &curves[k],
-            poisson_ratio,
-            thickness_mm: 1.5,
-        };
+        let layer = |k: usize, nu| Material::new(curves[k].clone(), nu, 1.5);
         let law = CoupledLaw::new(&[layer(0, 0.45), layer(1, 0.3), layer(5, 0.5)]);
         for k in 0..2000 {
             let t = f64::from(k);
@@ -423,11 +406,7 @@ mod tests {
     #[test]
     fn tension_is_the_slope_of_the_energy_and_stiffness_of_the_tension() {
         let curves = curves();
-        let layer = |k: usize, poisson_ratio| LawLayer {
-            curve: &curves[k],
-            poisson_ratio,
-            thickness_mm: 1.5,
-        };
+        let layer = |k: usize, nu| Material::new(curves[k].clone(), nu, 1.5);
         let law = CoupledLaw::new(&[layer(0, 0.45), layer(1, 0.3), layer(5, 0.45)]);
         assert_eq!(law.groups(), 2);
         let step = 1e-6;

@@ -1,4 +1,4 @@
-//! Spring laws: tension of the sheet's springs from the curve `Ef` and Poisson's ratio ν.
+//! Laws of the tissue from the curve `Ef` and Poisson's ratio ν: tension of a sheet's springs, energy of [`solids`].
 //!
 //! Pure functions, each beside its equation. Uses `curve`, `number`. Used by `model`, `solve`, `measure` and all to their
 //! right.
@@ -7,6 +7,7 @@ pub(crate) mod closed_form;
 pub mod coupled;
 mod layer;
 pub mod paper;
+pub mod solids;
 pub mod stability;
 pub mod table;
 pub mod tension_field;

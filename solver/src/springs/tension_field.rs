@@ -52,14 +52,14 @@ pub fn stress(curve: &Curve, poisson_ratio: f64, strain: [f64; 2]) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::curve::CurveSpec;
-    use crate::springs::coupled::{CoupledLaw, LawLayer};
+    use crate::springs::Material;
+    use crate::springs::coupled::CoupledLaw;
 
     #[test]
     fn the_state_is_that_of_the_tensions_of_the_law() {
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
         for poisson_ratio in [0.0, 0.3, 0.45, 0.5] {
-            let law =
-                CoupledLaw::new(&[LawLayer { curve: &curve, poisson_ratio, thickness_mm: 1.0 }]);
+            let law = CoupledLaw::new(&[Material::new(curve.clone(), poisson_ratio, 1.0)]);
             let mut counts = [0; 3];
             for k in 0..4000 {
                 let t = f64::from(k);

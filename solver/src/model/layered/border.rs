@@ -3,9 +3,7 @@
 //! The gradient is that at the middle of the bilinear cell. A cell with a corner outside of the patch is half of a
 //! parallelogram: the fourth corner is the linear continuation of the other three.
 
-use super::LaneLaw;
 use super::cell;
-use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, Modes, modes, on_faces};
 use super::shape::{Even, InPlane, RestShape};
 use super::sides::Oblique;
@@ -14,6 +12,7 @@ use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::{add, scale, sub};
 use crate::mesh::{CellKind, Sheet};
 use crate::model::columns::ColumnBlocks;
+use crate::springs::solids::{SolidLaw, Volume};
 use glam::{DMat2, DVec2, DVec3};
 use wide::f32x4;
 
@@ -154,7 +153,7 @@ impl Border {
     /// Renews the augmented pressures of a layer of cells between the nodes of two layers.
     pub(super) fn renew<S: RestShape>(
         &self,
-        law: &LaneLaw,
+        law: &impl SolidLaw<f32x4>,
         shape: impl Fn(usize, &Four) -> S,
         layers: [usize; 2],
         u: &Field,
@@ -170,7 +169,7 @@ impl Border {
     /// pressures.
     pub(super) fn add_forces<S: RestShape>(
         &self,
-        law: &LaneLaw,
+        law: &impl SolidLaw<f32x4>,
         shape: impl Fn(usize, &Four) -> S,
         layers: [usize; 2],
         pressure: &[f32x4],
@@ -191,7 +190,7 @@ impl Border {
     /// Adds the blocks of a layer of cells.
     pub(super) fn add_blocks<S: RestShape>(
         &self,
-        law: &LaneLaw,
+        law: &impl SolidLaw<f32x4>,
         shape: impl Fn(usize) -> S,
         layers: [usize; 2],
         pressure: &[f32x4],

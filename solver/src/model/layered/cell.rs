@@ -8,13 +8,14 @@
 //! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell, J their mean. Accurate where a
 //!   softening tissue concentrates strain; 2.3 times the work.
 
-use super::law::{Deformed, Energy, LEAST_VOLUME, Matrix, Slopes, SolidLaw, Volume, combined};
+use super::deformed::{Deformed, Matrix, combined};
 use super::modes::Modes;
 use super::shape::RestShape;
 use super::sides::Sides;
 use super::variation::Variation;
 use crate::mesh::vec3::{add, scale};
 use crate::number::Real;
+use crate::springs::solids::{LEAST_VOLUME, Slopes, SolidLaw, Volume, WholeLaw};
 
 /// Gauss point of two in one dimension, on \[−½, ½\].
 const POINT: f64 = 0.288_675_134_594_812_9;
@@ -138,7 +139,7 @@ pub(super) fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {
 
 /// The energy per rest volume by either rule \[kPa\]; infinite where J is at the law's least.
 pub(crate) fn energy(
-    law: &impl Energy,
+    law: &impl WholeLaw,
     modes: &Modes<f64>,
     sides: &impl Sides<f64>,
     variation: &Variation<f64>,

@@ -1,19 +1,20 @@
 //! The layered body in f64: energy and forces of all nodes, from the same laws and cells as `lanes`.
 
+use super::LayeredLaw;
 use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell;
+use super::deformed::Matrix;
 use super::lanes::{is_in_ring, is_large};
-use super::law::Matrix;
 use super::modes::{Corners, Modes, modes, on_faces};
 use super::shape::Plain;
 use super::sides::{self, Oblique, Sides, Skew};
 use super::variation::Variation;
-use super::{ExactLaw, LayeredLaw};
 use crate::mesh::part::Part;
 use crate::mesh::vec3::sub;
 use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
 use crate::model::membrane::assembly;
+use crate::springs::solids::{ExactLaw, of_law};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
@@ -279,13 +280,11 @@ impl Exact<'_> {
     /// Derivatives of a cell's energy by its corners on the inner and the outer face \[kPa·mm²\].
     fn faces_forces(&self, element: &Element) -> [Corners<f64>; 2] {
         let Element { law, modes, shape, .. } = element;
-        let force = match element.parity {
-            Some(parity) => cell::four_points(*law, modes, &shape.sides, parity, 0.0),
-            None => {
-                let &CellShape { sides, variation, .. } = shape;
-                cell::center(*law, modes, &Plain { sides, variation }, 0.0)
-            }
-        };
+        let &CellShape { sides, variation, .. } = shape;
+        let force = of_law!(law, law => match element.parity {
+            Some(parity) => cell::four_points(law, modes, &sides, parity, 0.0),
+            None => cell::center(law, modes, &Plain { sides, variation }, 0.0),
+        });
         let weight = shape.volume * self.sheet().spacing_mm();
         on_faces(&shape.handed_back(force).weighted(weight))
     }
@@ -370,7 +369,8 @@ impl Exact<'_> {
         self.each(places, x, |element| {
             let Element { law, modes, shape, parity, .. } = &element;
             let CellShape { sides, variation, volume, .. } = shape;
-            energy += cell::energy(*law, modes, sides, variation, *parity) * volume * area;
+            let of_cell = of_law!(law, law => cell::energy(law, modes, sides, variation, *parity));
+            energy += of_cell * volume * area;
         });
         self.attached(|corners, integrals| {
             let moved = corners.map(|k| x[0][k] - self.rest.node(0, k));

@@ -1,17 +1,16 @@
 //! Tissue as a body: the skin, a membrane, on layers of solid tissue; one node a layer of cells and one more in a
 //! column.
 //!
-//! `law` (solid tissue, any law) | `curve_law` (of a tissue's curve) | `modes` (of a cell's displacement) | `sides`, `variation`, `shape` (of a cell at rest) | `cell` (energy and forces) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
+//! `deformed` (change of shape and volume, stress) | `modes` (of a cell's displacement) | `sides`, `variation`, `shape` (of a cell at rest) | `cell` (energy and forces) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
 //! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64) | `tangent`
 //! (second derivatives in f64).
 
 pub(crate) mod attachment;
 mod border;
 mod cell;
-pub mod curve_law;
+pub(crate) mod deformed;
 pub mod exact;
 pub(crate) mod lanes;
-pub(crate) mod law;
 mod modes;
 mod shape;
 mod sides;
@@ -20,15 +19,8 @@ pub(crate) mod tangent;
 mod variation;
 
 use super::membrane::law::SheetLaw;
-use crate::springs::table::{Buckets, Table};
+use crate::springs::solids::ExactLaw;
 use crate::springs::{Material, Springs};
-use curve_law::CurveLaw;
-use wide::f32x4;
-
-/// The law of a layer of cells in f64.
-pub(crate) type ExactLaw = CurveLaw<f64, Table>;
-/// The law of a layer of cells in f32 lanes.
-type LaneLaw = CurveLaw<f32x4, Buckets<f32x4>>;
 
 /// The laws of the layers.
 #[derive(Clone, Debug)]
@@ -44,7 +36,7 @@ impl LayeredLaw {
         let (skin, solids) = materials.split_at(materials.len().min(1));
         Self {
             skin: SheetLaw::new(Springs::Coupled, skin),
-            solids: solids.iter().rev().map(CurveLaw::new).collect(),
+            solids: solids.iter().rev().map(ExactLaw::new).collect(),
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The displacement of a cell on \[−½, ½\]³ is u = b₀ + b₁ξ + b₂η + b₃ζ + b₁₂ξη + b₁₃ξζ + b₂₃ηζ + dξηζ.
 
-use super::law::Matrix;
+use super::deformed::Matrix;
 use crate::mesh::vec3::{add, scale, sub};
 use crate::number::Real;
 

@@ -1,6 +1,6 @@
 //! Cells at rest: even cells of one shape over a flat wall, cells of their own shapes over a curved wall.
 
-use super::law::Matrix;
+use super::deformed::Matrix;
 use super::modes::Modes;
 use super::sides::{Oblique, Sides, Skew, Upright, with_identity};
 use super::variation::Variation;

@@ -2,7 +2,7 @@
 //!
 //! With the Jacobian 𝐉 = ∂X/∂(ξ, η, ζ) in the middle of the cell, slopes L along the sides are the displacement gradient L 𝐉⁻¹.
 
-use super::law::{Matrix, combined};
+use super::deformed::{Matrix, combined};
 use super::modes::Modes;
 use crate::mesh::vec3::{add, dot, scale, sub};
 use crate::number::Real;

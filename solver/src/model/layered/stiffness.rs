@@ -6,13 +6,13 @@
 //!
 //! where a negative bend is bounded.
 
-use super::LaneLaw;
 use super::cell;
-use super::law::{Curvature, Deformed, Isochoric, Matrix, SolidLaw, Volume, combined};
+use super::deformed::{Deformed, Isochoric, Matrix, combined};
 use super::modes::Modes;
 use super::shape::RestShape;
 use super::sides::Sides;
 use crate::mesh::vec3::{Block, Vec3, add_outer, dot, scale};
+use crate::springs::solids::{Curvature, SolidLaw, Volume};
 use wide::f32x4;
 
 /// Column and row of the corners, counter-clockwise.
@@ -42,7 +42,7 @@ pub(super) struct CellStiffness<S> {
 impl<S: Sides<f32x4>> CellStiffness<S> {
     #[inline(always)]
     pub(super) fn new(
-        law: &LaneLaw,
+        law: &impl SolidLaw<f32x4>,
         modes: &Modes<f32x4>,
         shape: &impl RestShape<Sides = S>,
         augmented: f32x4,
@@ -65,7 +65,7 @@ impl<S: Sides<f32x4>> CellStiffness<S> {
     /// Of cells with four points: the points' stiffness to changes of shape, a quarter each, and the middle's to changes of volume,
     /// which is that of the mean.
     pub(super) fn at_points(
-        law: &LaneLaw,
+        law: &impl SolidLaw<f32x4>,
         modes: &Modes<f32x4>,
         shape: &impl RestShape<Sides = S>,
         parity: f32x4,

@@ -12,17 +12,15 @@
 use super::attachment::PAIRS;
 use super::border::BorderCell;
 use super::cell;
+use super::deformed::{Deformed, Matrix, StressSlopes, combined, nominal_stress, stress_slopes};
 use super::exact::{CellShape, Element, Exact, Place};
-use super::law::{
-    Curvature, Deformed, Matrix, SolidLaw, StressSlopes, Volume, combined, nominal_stress,
-    stress_slopes,
-};
 use super::modes::{Modes, modes, on_faces};
 use super::sides::{Oblique, Sides};
 use super::stiffness::CORNERS;
 use super::variation::Variation;
 use crate::mesh::stencil::outer;
 use crate::mesh::vec3::{add, dot, scale};
+use crate::springs::solids::{Curvature, SolidLaw, Volume, of_law};
 use glam::{DMat3, DVec3};
 
 /// The second derivative at one shape.
@@ -79,7 +77,7 @@ impl Tangent {
         let spacing = exact.sheet().spacing_mm();
         exact.each(places, x, |element| {
             let Element { law, modes, shape, .. } = &element;
-            let stress = nominal_stress(*law, shape.sides.gradient(modes.linear));
+            let stress = nominal_stress(law, shape.sides.gradient(modes.linear));
             let squares = dot(stress[0], stress[0]) + dot(stress[1], stress[1]);
             self.squared_forces += squares * (shape.volume * spacing).powi(2);
             let variation = match element.parity {
@@ -107,7 +105,7 @@ impl Tangent {
         let shape = deformed.isochoric();
         let g = shape.g + variation.mean_square(modes);
         let Curvature { shear, pressure, along: [alpha, beta], bend, volumetric, .. } =
-            law.curvature(g, deformed.volume(), 0.0);
+            of_law!(law, law => law.curvature(g, deformed.volume(), 0.0));
         let linear = sides.stress(deformed.stress(&shape, alpha, beta));
         self.vectors.push((bend, Modes { linear, ..variation.weighted(alpha).slopes(modes) }));
         let slopes = stress_slopes(columns, shear, pressure, volumetric);
@@ -121,7 +119,8 @@ impl Tangent {
         let (points, volume) = cell::deformed_points(modes, sides, parity);
         let volume = Volume::new(volume);
         let shapes = points.map(|(point, _)| point.isochoric());
-        let curvatures = shapes.map(|shape| law.curvature(shape.g, volume, 0.0));
+        let curvatures =
+            of_law!(law, law => shapes.map(|shape| law.curvature(shape.g, volume, 0.0)));
         let pressure = 0.25 * mean(curvatures.map(|curvature| curvature.pressure));
         let mut volume_slope = Modes::default();
         for (point, at) in &points {
@@ -292,20 +291,22 @@ mod tests {
     use crate::mesh::{Attachment, Chest, NodeKind, Rest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::springs::Material;
+    use crate::springs::solids::SolidKind;
 
     /// Cells of one and of four points, at the border and inside: the product is the change of the forces, the blocks
     /// are those of the product.
     #[test]
     fn the_tangent_is_the_derivative_of_the_forces() {
-        check_tangent(Chest::Flat);
-        check_tangent(Chest::Curved { across_mm: 90.0, along_mm: 160.0 });
+        for &solid in SolidKind::ALL {
+            check_tangent(Chest::Flat, solid);
+            check_tangent(Chest::Curved { across_mm: 90.0, along_mm: 160.0 }, solid);
+        }
     }
 
-    fn check_tangent(chest: Chest) {
+    fn check_tangent(chest: Chest, solid: SolidKind) {
         let material = |spec: CurveSpec, poisson_ratio: f64, thickness_mm: f64| Material {
-            curve: Curve::new(&spec).unwrap(),
-            poisson_ratio,
-            thickness_mm,
+            solid,
+            ..Material::new(Curve::new(&spec).unwrap(), poisson_ratio, thickness_mm)
         };
         let materials = [
             // Nearly no skin: the skin's Hessian is tested by itself.

@@ -1,6 +1,6 @@
 //! What varies inside of a cell: the mean square of its displacement's modes beyond the gradient in the middle.
 
-use super::law::Matrix;
+use super::deformed::Matrix;
 use super::modes::Modes;
 use super::sides::Oblique;
 use crate::mesh::vec3::{dot, scale};

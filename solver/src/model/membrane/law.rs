@@ -2,7 +2,7 @@
 
 use crate::springs::Material;
 use crate::springs::Springs;
-use crate::springs::coupled::{CoupledLaw, LawLayer};
+use crate::springs::coupled::CoupledLaw;
 use crate::springs::paper::{self, Spring, edge_strain_limit};
 use crate::springs::table::{Table, Weight};
 
@@ -27,23 +27,12 @@ pub struct PaperLaw {
     pub diagonal: Table,
 }
 
-fn law_layers(materials: &[Material]) -> Vec<LawLayer<'_>> {
-    materials
-        .iter()
-        .map(|m| LawLayer {
-            curve: &m.curve,
-            poisson_ratio: m.poisson_ratio,
-            thickness_mm: m.thickness_mm,
-        })
-        .collect()
-}
-
 impl SheetLaw {
     /// The law of the given springs and layers.
     #[must_use]
     pub(crate) fn new(springs: Springs, materials: &[Material]) -> Self {
         match springs {
-            Springs::Coupled => Self::Coupled(CoupledLaw::new(&law_layers(materials))),
+            Springs::Coupled => Self::Coupled(CoupledLaw::new(materials)),
             Springs::Nikolaev => Self::Paper(PaperLaw::new(materials)),
         }
     }

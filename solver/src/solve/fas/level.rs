@@ -308,15 +308,14 @@ mod tests {
     use crate::model::membrane::assembly;
     use crate::model::membrane::lanes::Membrane;
     use crate::model::membrane::law::SheetLaw;
+    use crate::springs::solids::SolidKind;
     use crate::springs::{Material, Springs};
 
     /// Forces in lanes of f32 equal the forces of the assembly in f64.
     #[test]
     fn lane_forces_equal_the_forces_of_the_assembly() {
-        let material = |spec: &CurveSpec, poisson_ratio| Material {
-            curve: Curve::new(spec).unwrap(),
-            poisson_ratio,
-            thickness_mm: 2.0,
+        let material = |spec: &CurveSpec, poisson_ratio| {
+            Material::new(Curve::new(spec).unwrap(), poisson_ratio, 2.0)
         };
         let skin = || material(&CurveSpec::Skin {}, 0.3);
         let stacks = [vec![skin()], vec![skin(), material(&CurveSpec::Adipose {}, 0.45)]];
@@ -375,15 +374,14 @@ mod tests {
     fn layered_forces_equal_the_exact_forces_and_the_gradient_of_the_energy() {
         let curved = Chest::Curved { across_mm: 130.0, along_mm: 300.0 };
         for chest in [Chest::Flat, curved] {
-            compare_layered_forces(chest);
+            SolidKind::ALL.iter().for_each(|&solid| compare_layered_forces(chest.clone(), solid));
         }
     }
 
-    fn compare_layered_forces(chest: Chest) {
+    fn compare_layered_forces(chest: Chest, solid: SolidKind) {
         let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
-            curve: Curve::new(spec).unwrap(),
-            poisson_ratio,
-            thickness_mm,
+            solid,
+            ..Material::new(Curve::new(spec).unwrap(), poisson_ratio, thickness_mm)
         };
         let materials = [
             material(&CurveSpec::Skin {}, 0.45, 1.5),

@@ -14,10 +14,8 @@ use glam::{DVec2, DVec3};
 /// Every cycle of the finest grid without contact offsets lowers the energy, within rounding of f32.
 #[test]
 fn the_energy_falls_in_every_cycle() {
-    let material = |spec: &CurveSpec, poisson_ratio| Material {
-        curve: Curve::new(spec).unwrap(),
-        poisson_ratio,
-        thickness_mm: 2.0,
+    let material = |spec: &CurveSpec, poisson_ratio| {
+        Material::new(Curve::new(spec).unwrap(), poisson_ratio, 2.0)
     };
     let (skin, adipose) = (CurveSpec::Skin {}, CurveSpec::Adipose {});
     for (center, projection, springs, layers) in [

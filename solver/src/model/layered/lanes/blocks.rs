@@ -2,13 +2,14 @@
 
 use super::forces::{at_corners, attached_groups, first_parity};
 use super::shapes::Layers;
-use super::{CellLayer, Layered, Scratch};
+use super::{Layered, Scratch};
 use crate::mesh::lanes::{Field, Layout, load, store};
 use crate::model::columns::ColumnBlocks;
 use crate::model::layered::attachment::PAIRS;
 use crate::model::layered::modes::{Corners, modes};
 use crate::model::layered::shape::RestShape;
 use crate::model::layered::stiffness::{CORNERS, CellStiffness};
+use crate::springs::solids::{SolidLaw, of_law};
 use wide::f32x4;
 
 impl Layered {
@@ -33,13 +34,18 @@ impl Layered {
                     let augmented = cells.augmented(scratch, at);
                     let lanes =
                         [row.counts(group), points & scratch.points[layer], parity, augmented];
-                    cells.add_blocks(layout, u, at, &shapes.regular(layer, k), lanes, blocks);
+                    let shape = shapes.regular(layer, k);
+                    of_law!(&cells.law, law => {
+                        add_blocks(law, layout, u, at, &shape, lanes, blocks);
+                    });
                 }
             }
             let layers = [layer, layer + 1].map(|layer| layer * length);
             let pressure = scratch.border_pressure(layer);
             let shape = |group: usize| shapes.inverted_at_border(layer, group);
-            scratch.border.add_blocks(&cells.law, shape, layers, pressure, u, blocks);
+            of_law!(&cells.law, law => {
+                scratch.border.add_blocks(law, shape, layers, pressure, u, blocks);
+            });
         }
     }
 
@@ -68,43 +74,40 @@ impl Layered {
     }
 }
 
-impl CellLayer {
-    /// Adds the blocks of four cells whose first corner is at k; `points` marks the cells with four points, of these parities.
-    fn add_blocks(
-        &self,
-        layout: &Layout,
-        u: &Field,
-        k: usize,
-        shape: &impl RestShape,
-        [counts, points, parity, augmented]: [f32x4; 4],
-        blocks: &mut ColumnBlocks,
-    ) {
-        let (length, pitch) = (layout.len(), layout.pitch);
-        let faces = [k, k + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-        let modes = shape.removed(&modes(&faces[0], &faces[1]));
-        let mut add = |stiffness: &CellStiffness<_>, weight: f32x4| {
-            for [i, j] in CORNERS {
-                let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
-                let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
-                let at = k + i + j * pitch;
-                blocks.diagonal.add(at, diagonal[0]);
-                blocks.diagonal.add(at + length, diagonal[1]);
-                for (part, lanes) in blocks.above.iter_mut().zip(above) {
-                    let total = load(part, at) + lanes;
-                    store(part, at, total);
-                }
-            }
-        };
-        let (one, zero) = (shape.weight() & counts, f32x4::ZERO);
-        if points.any() {
-            for stiffness in &CellStiffness::at_points(&self.law, &modes, shape, parity, augmented)
-            {
-                add(stiffness, points.bitselect(one, zero));
+/// Adds the blocks of four cells whose first corner is at k; `points` marks the cells with four points, of these parities.
+fn add_blocks(
+    law: &impl SolidLaw<f32x4>,
+    layout: &Layout,
+    u: &Field,
+    k: usize,
+    shape: &impl RestShape,
+    [counts, points, parity, augmented]: [f32x4; 4],
+    blocks: &mut ColumnBlocks,
+) {
+    let (length, pitch) = (layout.len(), layout.pitch);
+    let faces = [k, k + length].map(|k| Corners::new(at_corners(u, k, pitch)));
+    let modes = shape.removed(&modes(&faces[0], &faces[1]));
+    let mut add = |stiffness: &CellStiffness<_>, weight: f32x4| {
+        for [i, j] in CORNERS {
+            let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
+            let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
+            let at = k + i + j * pitch;
+            blocks.diagonal.add(at, diagonal[0]);
+            blocks.diagonal.add(at + length, diagonal[1]);
+            for (part, lanes) in blocks.above.iter_mut().zip(above) {
+                let total = load(part, at) + lanes;
+                store(part, at, total);
             }
         }
-        if !points.all() {
-            let stiffness = CellStiffness::new(&self.law, &modes, shape, augmented);
-            add(&stiffness, points.bitselect(zero, one));
+    };
+    let (one, zero) = (shape.weight() & counts, f32x4::ZERO);
+    if points.any() {
+        for stiffness in &CellStiffness::at_points(law, &modes, shape, parity, augmented) {
+            add(stiffness, points.bitselect(one, zero));
         }
+    }
+    if !points.all() {
+        let stiffness = CellStiffness::new(law, &modes, shape, augmented);
+        add(&stiffness, points.bitselect(zero, one));
     }
 }

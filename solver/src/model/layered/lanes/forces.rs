@@ -7,10 +7,11 @@ use crate::mesh::rest::MAX_LAYERS;
 use crate::mesh::vec3::{Vec3, add, scale, sub};
 use crate::model::layered::attachment::PAIRS;
 use crate::model::layered::cell;
-use crate::model::layered::law::Matrix;
+use crate::model::layered::deformed::Matrix;
 use crate::model::layered::modes::{Corners, Modes, modes, on_faces};
 use crate::model::layered::shape::RestShape;
 use crate::model::layered::stiffness::CORNERS;
+use crate::springs::solids::{SolidLaw, of_law};
 use wide::f32x4;
 
 /// The corners of four cells of a face.
@@ -75,7 +76,9 @@ impl Layered {
                     let augmented = cells.augmented(scratch, at);
                     let shape = shapes.regular(layer, k);
                     let modes = modes(&inner, &outer);
-                    let forces = cells.forces(&modes, &shape, points, sign, augmented);
+                    let points = [points, sign];
+                    let forces =
+                        of_law!(&cells.law, law => forces(law, &modes, &shape, points, augmented));
                     let [on_inner, on_outer] = on_faces(&forces);
                     pull.add(&on_inner);
                     carries[layer].pull(f, at, pitch, counted(pull.spread(), counts, is_edge));
@@ -142,34 +145,33 @@ impl CellLayer {
     pub(super) fn augmented(&self, scratch: &Scratch, k: usize) -> f32x4 {
         if self.is_augmented { load(&scratch.pressure, k) } else { f32x4::ZERO }
     }
+}
 
-    /// The derivatives of the energy of four cells by their modes.
-    #[inline(always)]
-    fn forces(
-        &self,
-        modes: &Modes<f32x4>,
-        shape: &impl RestShape,
-        points: f32x4,
-        parity: f32x4,
-        augmented: f32x4,
-    ) -> Modes<f32x4> {
-        let center = || cell::center(&self.law, modes, shape, augmented);
-        if !points.any() {
-            return center();
-        }
-        let bare = shape.removed(modes);
-        let four = cell::four_points(&self.law, &bare, shape.sides(), parity, augmented);
-        let four = shape.handed_back(four);
-        if points.all() {
-            return four;
-        }
-        let one = center();
-        let pick = |a: Vec3, b: Vec3| [0, 1, 2].map(|k| points.bitselect(a[k], b[k]));
-        let pick3 = |a: Matrix<f32x4>, b: Matrix<f32x4>| [0, 1, 2].map(|k| pick(a[k], b[k]));
-        Modes {
-            linear: pick3(four.linear, one.linear),
-            twist: pick3(four.twist, one.twist),
-            d: pick(four.d, one.d),
-        }
+/// The derivatives of the energy of four cells by their modes; `points` marks the cells with four points, of these parities.
+#[inline(always)]
+fn forces(
+    law: &impl SolidLaw<f32x4>,
+    modes: &Modes<f32x4>,
+    shape: &impl RestShape,
+    [points, parity]: [f32x4; 2],
+    augmented: f32x4,
+) -> Modes<f32x4> {
+    let center = || cell::center(law, modes, shape, augmented);
+    if !points.any() {
+        return center();
+    }
+    let bare = shape.removed(modes);
+    let four = cell::four_points(law, &bare, shape.sides(), parity, augmented);
+    let four = shape.handed_back(four);
+    if points.all() {
+        return four;
+    }
+    let one = center();
+    let pick = |a: Vec3, b: Vec3| [0, 1, 2].map(|k| points.bitselect(a[k], b[k]));
+    let pick3 = |a: Matrix<f32x4>, b: Matrix<f32x4>| [0, 1, 2].map(|k| pick(a[k], b[k]));
+    Modes {
+        linear: pick3(four.linear, one.linear),
+        twist: pick3(four.twist, one.twist),
+        d: pick(four.d, one.d),
     }
 }

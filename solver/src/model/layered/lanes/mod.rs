@@ -8,18 +8,18 @@ mod blocks;
 mod forces;
 mod shapes;
 
+use super::LayeredLaw;
 use super::border::{Border, Four};
 use super::cell;
-use super::law::{SolidLaw, Volume};
 use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
-use super::{LaneLaw, LayeredLaw};
 use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
 use crate::mesh::vec3::dot;
 use crate::mesh::{Attachment, Cells, Rest};
 use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
+use crate::springs::solids::{LaneLaw, SolidLaw, Volume, WholeLaw, of_law};
 use forces::{at_corners, first_parity};
 use shapes::{CurvedLayers, Layers, Shapes};
 use std::sync::Arc;
@@ -109,9 +109,9 @@ impl Layered {
     ) -> Self {
         let stiffness = law.skin.stiffness();
         let layer = |cells: &Cells| CellLayer {
-            law: law.solids[cells.solid].scaled(cells.height_mm / stiffness),
+            law: law.solids[cells.solid].in_lanes(cells.height_mm / stiffness),
             height: cells.height_mm,
-            is_augmented: law.solids[cells.solid].is_augmented(),
+            is_augmented: of_law!(&law.solids[cells.solid], law => law.is_augmented()),
         };
         Self {
             skin: Membrane::new(&law.skin),
@@ -348,7 +348,9 @@ impl Layered {
             let layers = [layer, layer + 1].map(|layer| layer * layout.len());
             let pressure = scratch.border_pressure(layer);
             let shape = |group: usize, four: &Four| shapes.at_border(layer, group, four);
-            scratch.border.add_forces(&cells.law, shape, layers, pressure, u, f);
+            of_law!(&cells.law, law => {
+                scratch.border.add_forces(law, shape, layers, pressure, u, f);
+            });
         }
     }
 
@@ -373,7 +375,8 @@ impl Layered {
                     let inverted = volume.simd_le(f32x4::ZERO) & row.counts(group);
                     tension.has_inverted_cell |= inverted.any();
                     let augmented = cells.augmented(scratch, at);
-                    let force = cell::center(&cells.law, &modes, &shape, augmented);
+                    let force =
+                        of_law!(&cells.law, law => cell::center(law, &modes, &shape, augmented));
                     let squares = force.linear.map(|f| dot(f, f));
                     let squares = squares[0] + squares[1] + squares[2];
                     tension.squares += f64::from((squares & row.counts(group)).reduce_add());
@@ -412,8 +415,9 @@ impl Layered {
                     }
                     let before = load(&scratch.pressure, at);
                     // Lanes beyond the row keep no pressure.
-                    let renewed =
-                        cells.law.renewed(Volume::new(volume), before) & row.counts(group);
+                    let volume = Volume::new(volume);
+                    let renewed = of_law!(&cells.law, law => law.renewed(volume, before));
+                    let renewed = renewed & row.counts(group);
                     store(&mut scratch.pressure, at, renewed);
                 }
             }
@@ -424,7 +428,7 @@ impl Layered {
             if cells.is_augmented {
                 let layers = [layer, layer + 1].map(|layer| layer * length);
                 let shape = |group: usize, four: &Four| shapes.at_border(layer, group, four);
-                scratch.border.renew(&cells.law, shape, layers, u, pressure);
+                of_law!(&cells.law, law => scratch.border.renew(law, shape, layers, u, pressure));
             }
         }
     }

@@ -7,10 +7,8 @@ use crate::springs::Material;
 use crate::springs::Springs;
 
 fn materials() -> Vec<Material> {
-    let layer = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
-        curve: Curve::new(spec).unwrap(),
-        poisson_ratio,
-        thickness_mm,
+    let layer = |spec: &CurveSpec, poisson_ratio, thickness_mm| {
+        Material::new(Curve::new(spec).unwrap(), poisson_ratio, thickness_mm)
     };
     vec![layer(&CurveSpec::Skin {}, 0.45, 1.5), layer(&CurveSpec::Adipose {}, 0.3, 10.0)]
 }
@@ -147,7 +145,7 @@ fn an_evenly_pulled_sheet_is_balanced_and_shows_the_curve_in_every_direction() {
     assert!(irregular.count() > 50);
     for (spec, nu) in [(CurveSpec::Skin {}, 0.45), (CurveSpec::Adipose {}, 0.2)] {
         let curve = Curve::new(&spec).unwrap();
-        let material = Material { curve: curve.clone(), poisson_ratio: nu, thickness_mm: 1.0 };
+        let material = Material::new(curve.clone(), nu, 1.0);
         let law = SheetLaw::new(Springs::Coupled, &[material]);
         for degrees in (0..180).step_by(7) {
             for strain in [0.01, 0.3, 0.8] {
