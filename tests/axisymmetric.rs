@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use glam::DVec2;
-use implant_preview::contact::Dome;
+use implant_preview::contact::{Dome, HalfBall};
 use implant_preview::curve::Curve;
 use implant_preview::scene::Scene;
 use implant_preview::simulate::simulate;
@@ -293,10 +293,12 @@ fn scenes_that_are_not_axisymmetric_are_rejected_in_one_line() {
     assert_eq!(none, AxisymmetricError::NoLayers);
     let off = refused(Dome { center: DVec2::new(3.0, 4.0), ..dome.clone() }, &materials);
     assert_eq!(off, AxisymmetricError::OffCentre { distance_mm: 5.0 });
-    let tall = refused(dome.clone().anatomical(1.2 * dome.base_radius, 0.0), &materials);
+    let reshaped =
+        |shape: HalfBall| refused(Dome { shape: shape.into(), ..dome.clone() }, &materials);
+    let round = HalfBall::round(dome.reference_length(), dome.projection());
+    let tall = reshaped(round.anatomical(1.2 * dome.reference_length(), 0.0));
     assert_eq!(tall, AxisymmetricError::NotRound);
-    let wide = Dome::new(DVec2::ZERO, 1.1 * patch.pocket_radius_mm, dome.projection, 1.0);
-    let wide = refused(wide, &materials);
+    let wide = reshaped(HalfBall::round(1.1 * patch.pocket_radius_mm, dome.projection()));
     for error in [none, off, tall, wide] {
         let line = error.to_string();
         assert!(line.contains("allowed") && !line.contains('\n') && line.len() < 120, "{line}");

@@ -167,7 +167,7 @@ fn solved(scene: &Scene, nodes: usize, tolerance: f64) -> Solver {
 /// Greatest distance between the nodes of two solutions, relative to the base radius.
 fn apart(a: &Solver, b: &Solver) -> f64 {
     let distances = a.positions().iter().zip(b.positions()).map(|(a, b)| a.distance(*b));
-    distances.fold(0.0, f64::max) / a.problem().obstacle.dome.base_radius
+    distances.fold(0.0, f64::max) / a.problem().obstacle.dome.reference_length()
 }
 
 #[test]
@@ -204,7 +204,7 @@ fn no_node_is_inside_the_dome_or_below_the_wall_and_no_contact_force_is_tensile(
             // A free node is in balance; a contact force is compressive. Nodes with a contact offset may be
             // slightly off the dome.
             let is_last = solver.offset_nodes().iter().any(|(last, _)| *last == k);
-            assert!(!is_last || distance < 2e-3 * problem.obstacle.dome.base_radius);
+            assert!(!is_last || distance < 2e-3 * problem.obstacle.dome.reference_length());
             if distance > 1e-3 && x.z > 1e-3 && !is_last {
                 assert!(forces[k].length() < 1e-4 * scale, "{x}: {}", forces[k]);
             } else {
@@ -620,8 +620,8 @@ fn exact_pressure(scene: &Scene) -> [f64; 2] {
         let point = solution.point(s);
         let [one, two] = [point.stretch_meridional, point.stretch_hoop];
         let [t_one, t_two] = law.response([one - 1.0, two - 1.0]).tension;
-        let sin = point.r_mm / dome.base_radius;
-        let (across, along) = (dome.base_radius, dome.projection);
+        let sin = point.r_mm / dome.reference_length();
+        let (across, along) = (dome.reference_length(), dome.projection());
         let speed = (across * across * (1.0 - sin * sin) + along * along * sin * sin).sqrt();
         let curvature = [across * along / speed.powi(3), along / (across * speed)];
         let pressure = curvature[0] * t_one / two + curvature[1] * t_two / one;

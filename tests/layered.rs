@@ -96,7 +96,7 @@ fn the_shape_converges_to_the_axisymmetric_reference() {
 }
 
 fn distance(a: &Solver, b: &Solver) -> f64 {
-    let radius = a.problem().obstacle.dome.base_radius;
+    let radius = a.problem().obstacle.dome.reference_length();
     let layers = |solver: &Solver| {
         let mut layers = vec![solver.positions().to_vec()];
         layers.extend(solver.outer().iter().cloned());

@@ -114,7 +114,7 @@ pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     let problem = small.problem().expect("checked before");
     assert!(problem.sheet().free_nodes() > 0);
     assert_eq!(problem.materials.len(), scene.layers.len());
-    assert!(problem.sheet().radius_mm() >= problem.obstacle.dome.base_radius * (1.0 - 1e-6));
+    assert!(problem.sheet().radius_mm() >= problem.obstacle.dome.reference_length() * (1.0 - 1e-6));
 }
 
 /// Slices of a solve of [`check_layered_solve`].

@@ -240,6 +240,7 @@ mod tests {
     use crate::body::tests::both;
     use crate::section::{Opening, Section};
     use glam::Vec2;
+    use implant_preview_core::contact::HalfBall;
     use implant_preview_core::measure::Field;
 
     fn check(mesh: &Mesh) {
@@ -263,8 +264,10 @@ mod tests {
             let section = Section { opening: Opening::Wedge, angle: 0.7, axis: Vec2::ZERO };
             check(&caps(&section.caps(&body), &colors, &[Pattern::Skin, Pattern::Fat]));
             let dome = &session.problem().obstacle.dome;
-            for fullness in [dome.fullness, 0.55, 0.8] {
-                check(&implant(&dome.clone().filled(fullness)));
+            check(&implant(dome));
+            for fullness in [0.55, 0.8] {
+                let shape = dome.shape.half_ball().unwrap().filled(fullness).into();
+                check(&implant(&Dome { shape, ..dome.clone() }));
             }
             check(&wall(&Chest::Flat, 60.0, 80.0));
             check(&wall(&Chest::Curved { across_mm: 70.0, along_mm: 90.0 }, 60.0, 80.0));
@@ -289,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_flat_implant_is_not_drawn() {
-        let dome = Dome::new(DVec2::ZERO, 55.0, 55.0, 0.0);
+        let dome = Dome::new(DVec2::ZERO, HalfBall::round(55.0, 55.0), 0.0);
         assert!(implant(&dome).indices.is_empty());
     }
 }

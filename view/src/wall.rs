@@ -30,7 +30,7 @@ pub fn ball(problem: &Problem) -> Ball {
     let chest = &problem.obstacle.wall.0;
     let height = |place: DVec2| at(chest, radius, block * place).0.z;
     let lowest = [DVec2::X, DVec2::Y].map(height).into_iter().fold(0.0, f32::min);
-    let radius_mm = block.max(1.15 * problem.obstacle.dome.projection) as f32;
+    let radius_mm = block.max(1.15 * problem.obstacle.dome.projection()) as f32;
     Ball { radius_mm, middle_mm: 0.5 * lowest }
 }
 

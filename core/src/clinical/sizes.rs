@@ -1,10 +1,10 @@
 //! Sizes of implants and expanders: base width, projection, volume, profile class.
 //!
-//! The volume of a dome is f π a b p ([`dome_volume`]) of half-axes a and b of the base, projection p and fullness f; b = a times the
-//! aspect, height by width of the base; f = ⅔ is the half-ellipsoid.
+//! The volume is that of the shape ([`HalfBall`]), which is linear in the projection, quadratic in the base width, and linear in the fullness, the
+//! volume by that of the cylinder around the dome.
 
 use super::{ClinicalError, checked, limits, rounded};
-use crate::contact::{HALF_ELLIPSOID, dome_volume};
+use crate::contact::{Geometry, HALF_ELLIPSOID, HalfBall};
 use serde::{Deserialize, Serialize};
 
 /// mm³ per ml (= cm³).
@@ -224,8 +224,10 @@ impl Size {
     #[must_use]
     pub fn volume_ml(self) -> f64 {
         let half_width = 0.5 * self.base_width_mm;
-        let half_axes = [half_width, half_width * self.aspect, self.projection_mm];
-        dome_volume(half_axes, self.fullness) / MM3_PER_ML
+        let shape = HalfBall::round(half_width, self.projection_mm)
+            .anatomical(half_width * self.aspect, 0.0)
+            .filled(self.fullness);
+        shape.volume() / MM3_PER_ML
     }
 
     /// Projection \[cm\].

@@ -97,14 +97,7 @@ impl CheckedScene {
     #[must_use]
     pub fn problem(&self) -> Problem {
         let Scene { implant, pocket_radius_mm, insertion, springs, solver, .. } = &self.scene;
-        let dome = Dome::new(
-            DVec2::from(implant.center_mm),
-            implant.base_radius_mm,
-            implant.projection_mm,
-            *insertion,
-        )
-        .anatomical(0.5 * implant.base_height(), implant.apex_shift_mm)
-        .filled(implant.fullness());
+        let dome = Dome::new(DVec2::from(implant.center_mm), implant.shape(), *insertion);
         let body = Some(self.scene.body).filter(|_| self.scene.is_layered());
         let patch = match body {
             None => Patch::clamped_at_pocket(*pocket_radius_mm),

@@ -31,7 +31,7 @@ pub mod visit;
 mod written;
 
 use crate::clinical::{ClinicalError, Size};
-use crate::contact::HALF_ELLIPSOID;
+use crate::contact::{Dome, HALF_ELLIPSOID, HalfBall};
 use crate::curve::{given, number, present, present_whole};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
@@ -164,6 +164,14 @@ impl Implant {
         *self = self.in_few_words();
     }
 
+    /// The shape.
+    #[must_use]
+    pub fn shape(&self) -> HalfBall {
+        HalfBall::round(self.base_radius_mm, self.projection_mm)
+            .anatomical(0.5 * self.base_height(), self.apex_shift_mm)
+            .filled(self.fullness())
+    }
+
     /// Is the implant a solid of revolution?
     #[must_use]
     pub fn is_round(&self) -> bool {
@@ -190,8 +198,8 @@ impl Implant {
 
     /// Does the base cover a place over the plane, from the pocket's centre \[mm\]?
     pub(crate) fn covers(&self, place: DVec2) -> bool {
-        let half_axes = DVec2::new(self.base_radius_mm, 0.5 * self.base_height());
-        ((place - DVec2::from(self.center_mm)) / half_axes).length() < 1.0
+        let dome = Dome::new(DVec2::from(self.center_mm), self.shape(), 1.0);
+        dome.gauge(place.extend(0.0)) < 0.0
     }
 
     /// Does another implant have the same size and shape, in whatever place?

@@ -31,11 +31,11 @@ impl MeridianPoint {
 
 impl Meridian {
     pub(super) fn new(dome: &Dome) -> Self {
-        let fullness =
-            dome.volume() / (std::f64::consts::PI * dome.base_radius.powi(2) * dome.projection);
+        let fullness = dome.volume()
+            / (std::f64::consts::PI * dome.reference_length().powi(2) * dome.projection());
         Self {
-            base_radius: dome.base_radius,
-            projection: dome.projection,
+            base_radius: dome.reference_length(),
+            projection: dome.projection(),
             base_height: dome.base_height,
             exponent: fullness / (1.0 - fullness),
         }
@@ -84,12 +84,13 @@ impl Meridian {
 mod tests {
     use super::*;
     use glam::DVec2;
+    use implant_preview_core::contact::HalfBall;
 
     #[test]
     fn slopes_are_derivatives_and_the_ellipse_is_one_of_the_family() {
         for fullness in [0.55, 2.0 / 3.0, 0.8] {
-            let dome = Dome::new(DVec2::ZERO, 60.0, 40.0, 0.9).filled(fullness);
-            let meridian = Meridian::new(&dome);
+            let shape = HalfBall::round(60.0, 40.0).filled(fullness);
+            let meridian = Meridian::new(&Dome::new(DVec2::ZERO, shape, 0.9));
             for k in 1..60 {
                 let angle = 0.025 * f64::from(k);
                 let [before, after] = [-1e-6, 1e-6].map(|step| meridian.at(angle + step));

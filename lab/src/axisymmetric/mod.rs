@@ -35,7 +35,7 @@ pub enum AxisymmetricError {
         /// Distance between the axes of dome and pocket \[mm\].
         distance_mm: f64,
     },
-    /// The dome is anatomical.
+    /// The dome is anatomical, or no half-ball's image.
     #[error("the dome is no solid of revolution; allowed: a round implant")]
     NotRound,
     /// The pocket is smaller than the dome.
@@ -116,11 +116,11 @@ pub fn solve(
     pocket_radius_mm: f64,
     materials: &[Material],
 ) -> Result<Solution, AxisymmetricError> {
-    let (distance_mm, base_radius_mm) = (dome.center.length(), dome.base_radius);
+    let (distance_mm, base_radius_mm) = (dome.center.length(), dome.reference_length());
     if distance_mm > 1e-9 * base_radius_mm {
         return Err(AxisymmetricError::OffCentre { distance_mm });
     }
-    if !dome.is_round() {
+    if !dome.is_round() || dome.shape.half_ball().is_none() {
         return Err(AxisymmetricError::NotRound);
     }
     if pocket_radius_mm < base_radius_mm * (1.0 - 1e-9) {

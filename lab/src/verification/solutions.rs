@@ -220,7 +220,7 @@ fn cover(solution: &Solution) -> f64 {
 /// Errors of a result: greatest error of the skin's profile over the base radius, relative errors of force and cover.
 fn errors(found: &Simulation, [coarse, fine]: &[Solution; 2]) -> [f64; 3] {
     let outcome = &found.outcome;
-    let radius = found.solution.problem().obstacle.dome.base_radius;
+    let radius = found.solution.problem().obstacle.dome.reference_length();
     let apart = |(k, point): (usize, &implant_preview_core::measure::ProfilePoint)| {
         let limit = [0, 1].map(|axis| richardson(coarse.skin[k][axis], fine.skin[k][axis]));
         (point.r_mm - limit[0]).hypot(point.z_mm - limit[1]) / radius

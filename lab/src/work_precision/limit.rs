@@ -65,8 +65,8 @@ fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<P
     let weight = EXTRAPOLATION[usize::from(!stiffens)];
     let on = |cells: [usize; 2]| {
         layers::solve(&Input {
-            base_radius_mm: obstacle.dome.base_radius,
-            projection_mm: obstacle.dome.projection,
+            base_radius_mm: obstacle.dome.reference_length(),
+            projection_mm: obstacle.dome.projection(),
             fullness: scene.implant.fullness(),
             insertion: scene.insertion,
             pocket_radius_mm: patch.pocket_radius_mm,

@@ -1,7 +1,7 @@
 //! Distances from the implant: of a point, along a ray.
 
 use super::Dome;
-use super::half_ball::{HalfBall, Near};
+use super::shape::Near;
 use crate::mesh::Chest;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -23,12 +23,13 @@ impl Dome {
     /// [`Self::onto_surface`], by Newton's method on the surface.
     #[must_use]
     pub fn closest_point(&self, point: DVec3) -> (f64, DVec3) {
-        let closest = if self.chest == Chest::Flat && self.is_round() && self.exponent().is_none() {
+        let is_ellipsoid = self.chest == Chest::Flat && self.shape.onto_ball().is_some();
+        let closest = if is_ellipsoid && self.is_round() {
             let d = point - self.origin();
             let radial = d.truncate().length();
             let across = if radial > 0.0 { d.truncate() / radial } else { DVec2::X };
             let foot = closest_on_ellipse(
-                DVec2::new(self.base_radius, self.projection),
+                DVec2::new(self.reference_length(), self.projection()),
                 DVec2::new(radial, d.z.abs()),
             );
             self.origin() + (across * foot.x).extend(foot.y.copysign(d.z))
@@ -67,7 +68,7 @@ impl Dome {
             let Some(to) = moved else { break };
             let length = to.distance(foot);
             foot = to;
-            if length < LEAST_STEP * self.base_radius {
+            if length < LEAST_STEP * self.reference_length() {
                 break;
             }
         }
@@ -77,20 +78,20 @@ impl Dome {
     /// Distance along a ray to the surface \[lengths of `direction`\], negative behind the origin.
     #[must_use]
     pub fn ray_distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let flat = self.clone().over(Chest::Flat);
-        let (shape, center) = (flat.shape::<f64>(), self.origin());
-        if self.chest == Chest::Flat && self.exponent().is_none() {
-            let from = shape.linear((origin - center).to_array());
-            return crossings(from.into(), shape.linear(direction.to_array()).into())
-                .map(|[first, _]| first);
+        let center = self.origin();
+        if self.chest == Chest::Flat
+            && let Some(map) = self.shape.onto_ball()
+        {
+            let crossings = crossings(map * (origin - center), map * direction);
+            return crossings.map(|[first, _]| first);
         }
         // A sphere around the dome: half-axes, and the fall of the wall within their greatest.
-        let reach = self.greatest_half_axis();
+        let reach = self.shape.greatest_length();
         let fall = self.circles(4, 16).map(|p| (p.z - center.z).abs()).fold(reach, f64::max);
         let radius = 1.1 * reach.hypot(fall);
         let [start, last] = crossings((origin - center) / radius, direction / radius)?;
-        let shape: HalfBall<f64> = self.shape();
-        let near = |t: f64| shape.near((origin + direction * t).to_array());
+        let draped = self.draped::<f64>();
+        let near = |t: f64| draped.near((origin + direction * t).to_array());
         let part = (last - start) / PARTS as f64;
         let mut ends = (1..=PARTS).map(|k| start + part * k as f64);
         let mut to = ends.find(|t| near(*t).length < 1.0)?;
@@ -162,13 +163,14 @@ fn closest_on_ellipse(axes: DVec2, point: DVec2) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::dome::tests::{anatomical, domes as round, filled};
+    use crate::contact::HalfBall;
+    use crate::contact::dome::tests::{anatomical, domes as round, others};
 
     /// Anatomical domes, a round one over a curved wall, leaner and fuller ones.
     fn domes() -> impl Iterator<Item = Dome> {
-        let round = Dome::new(DVec2::new(4.0, -6.0), 60.0, 40.0, 1.0);
+        let round = Dome::new(DVec2::new(4.0, -6.0), HalfBall::round(60.0, 40.0), 1.0);
         let chest = Chest::Curved { across_mm: 150.0, along_mm: 150.0 };
-        anatomical().into_iter().chain([Dome { chest, ..round }]).chain(filled())
+        anatomical().into_iter().chain([Dome { chest, ..round }]).chain(others())
     }
 
     /// Points above the base, within and beside the dome up to 60 mm.
@@ -215,11 +217,11 @@ mod tests {
                 assert_eq!(distance < 0.0, dome.gauge(point) < 0.0);
                 let along = (point - closest).cross(dome.normal(closest)).length();
                 // At the sharp rim of a lean dome a step of this length changes no digit of the distance.
-                let most = if dome.exponent().is_some() { 1e-5 } else { 1e-6 };
+                let most = if dome.shape.onto_ball().is_none() { 1e-5 } else { 1e-6 };
                 assert!(along < most, "{along} at {point}");
                 let least = surface.iter().map(|p| p.distance(point)).fold(f64::MAX, f64::min);
                 // Deep inside of a full dome another point of the surface may be closer by little.
-                let is_deep = distance < -2.0 && dome.exponent().is_some();
+                let is_deep = distance < -2.0 && dome.shape.onto_ball().is_none();
                 let least = if is_deep { 1.03 * least } else { least };
                 assert!(distance.abs() < least + 1e-9, "{distance} {least} at {point}");
             }
@@ -248,7 +250,11 @@ mod tests {
 
     #[test]
     fn over_a_wall_of_a_large_radius_distances_are_those_over_the_plane() {
-        let flat = Dome::new(DVec2::new(4.0, -6.0), 60.0, 40.0, 0.8).anatomical(52.0, 15.0);
+        let flat = Dome::new(
+            DVec2::new(4.0, -6.0),
+            HalfBall::round(60.0, 40.0).anatomical(52.0, 15.0),
+            0.8,
+        );
         let chest = Chest::Curved { across_mm: 1e9, along_mm: 1e9 };
         let curved = Dome { chest, ..flat.clone() };
         for point in points(&flat) {

@@ -2,7 +2,7 @@
 //!
 //! Displacements from `rest` are in spacings of a grid; coordinates count from the grid's centre. A length is the dome's gauge plus one: one on the surface.
 
-use super::half_ball::{HalfBall, Near};
+use super::shape::{Draped, Near, ShapeGauge};
 use super::{Obstacle, TOUCH_F32, wall};
 use crate::mesh::height_field::HeightField;
 use crate::mesh::vec3::{Block, Vec3, add, dot, sub, times};
@@ -12,9 +12,9 @@ use wide::f32x4;
 pub(crate) const MAX_STEP: f32 = 0.5;
 
 /// A dome and a wall in spacings of a grid, about the grid's centre.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct LaneObstacle {
-    shape: HalfBall<f32x4>,
+    dome: Draped<f32x4, ShapeGauge<f32x4>>,
     wall: HeightField<f32x4>,
 }
 
@@ -30,20 +30,20 @@ pub(crate) struct Touch {
 impl LaneObstacle {
     /// Of an obstacle in grid spacings.
     pub(crate) fn new(Obstacle { dome, wall }: &Obstacle) -> Self {
-        Self { shape: dome.shape(), wall: wall.0.heights() }
+        Self { dome: dome.draped(), wall: wall.0.heights() }
     }
 
     /// Four nodes at their positions at rest and displacements.
     #[inline(always)]
     pub(crate) fn nodes(&self, rest: Vec3, u: Vec3) -> Near<f32x4> {
-        self.shape.near(add(rest, u))
+        self.dome.near(add(rest, u))
     }
 
     /// The move from the end of a way along the gradient at its start to the given gauge plus one, at most [`MAX_STEP`].
     #[inline(always)]
     fn along_gradient(&self, near: &Near<f32x4>, way: Vec3, length: f32x4) -> Vec3 {
-        let (position, gradient) = (self.shape.moved(near, way), near.gradient);
-        let factor = self.shape.distance_along(near, position, gradient, length);
+        let (position, gradient) = (self.dome.moved(near, way), near.gradient);
+        let factor = self.dome.distance_along(near, position, gradient, length);
         let most = f32x4::splat(MAX_STEP);
         gradient.map(|g| (g * factor).fast_max(-most).fast_min(most))
     }
@@ -100,7 +100,7 @@ impl LaneObstacle {
         let at = wall::projected(&self.wall, rest, at);
         let near = self.nodes(rest, at);
         let is_inside = near.length.simd_lt(touching);
-        let way = self.shape.way_to(&near, touching);
+        let way = self.dome.way_to(&near, touching);
         add(at, way.map(|way| is_inside.bitselect(way, f32x4::ZERO)))
     }
 

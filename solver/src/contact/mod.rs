@@ -1,7 +1,7 @@
 //! Obstacles of the tissue, the implant's dome and the chest wall, and contact with both.
 //!
-//! `half_ball` (the implant's shape: gauge, gradient, curvature, projection, in f64 and for four f32 at a time), `fullness` (its map of heights) | `dome` (the implant in
-//! place and its sizes), `lines` (on its surface), `distance` (of a point from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
+//! `shape` (shapes of implants, and the map to their place over the wall) | `dome` (the implant in place), `lines` (on its surface), `distance` (of a point
+//! from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
 //! conditions of Newton's method) | `contact_edge` (contact edge between two nodes).
 //!
 //! Uses `mesh`. Used by `model`, `solve` and all to their right.
@@ -10,16 +10,17 @@ pub(crate) mod active_set;
 pub(crate) mod contact_edge;
 mod distance;
 mod dome;
-mod fullness;
-mod half_ball;
 pub(crate) mod lanes;
 mod lines;
 mod obstacle;
+mod shape;
 mod wall;
 
 pub use dome::Dome;
-pub use fullness::{HALF_ELLIPSOID, dome_volume};
 pub use obstacle::Obstacle;
+#[cfg(test)]
+pub(crate) use shape::superellipse::Superellipse;
+pub use shape::{Geometry, HALF_ELLIPSOID, HalfBall, Shape};
 pub use wall::Wall;
 
 /// Distance from dome or wall up to which a node of a solution is in contact \[base radius\]: well above the

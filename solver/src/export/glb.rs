@@ -147,7 +147,7 @@ impl File {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Dome;
+    use crate::contact::{Dome, HalfBall};
     use crate::export::Format;
     use crate::mesh::Chest;
     use glam::DVec2;
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_foreign_reader_finds_one_closed_body_with_unit_normals_and_a_material() {
-        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
+        let dome = Dome::new(DVec2::new(5.0, -3.0), HalfBall::round(60.0, 40.0), 1.0);
         let chest = Chest::Curved { across_mm: 110.0, along_mm: -300.0 };
         for dome in [dome.clone(), dome.over(chest)] {
             let volume = dome.volume();
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn the_normals_of_a_dome_are_those_of_its_surface() {
-        let dome = Dome::new(DVec2::ZERO, 50.0, 50.0, 1.0);
+        let dome = Dome::new(DVec2::ZERO, HalfBall::round(50.0, 50.0), 1.0);
         let solid = Solid::implant(&dome);
         for (at, normal) in solid.vertices.iter().zip(normals(&solid)) {
             // Above the rim, where dome and base share their vertices.

@@ -243,6 +243,7 @@ fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::HalfBall;
     use crate::measure::{Stack, of_faces};
     use crate::mesh::Sheet;
 
@@ -274,8 +275,8 @@ mod tests {
 
     #[test]
     fn every_edge_belongs_to_two_triangles_that_run_it_in_opposite_directions() {
-        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 0.7);
-        let draped = Dome { chest: CURVED, ..dome };
+        let dome = Dome::new(DVec2::new(5.0, -3.0), HalfBall::round(60.0, 40.0), 0.7);
+        let draped = dome.clone().over(CURVED);
         for solid in [flat(3.0), Solid::implant(&dome), Solid::implant(&draped)] {
             assert!(border_edges(&solid.triangles().collect::<Vec<_>>()).is_empty());
         }
@@ -314,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_mirror_image_is_closed_and_has_the_volume_to_the_last_bit() {
-        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
+        let dome = Dome::new(DVec2::new(5.0, -3.0), HalfBall::round(60.0, 40.0), 1.0);
         for solid in [flat(3.0), Solid::implant(&dome)] {
             let mirrored = solid.clone().mirrored();
             assert!(border_edges(&mirrored.triangles().collect::<Vec<_>>()).is_empty());
@@ -338,13 +339,16 @@ mod tests {
 
     #[test]
     fn an_implant_in_place_has_its_volume() {
-        let dome = Dome::new(DVec2::new(5.0, -3.0), 60.0, 40.0, 1.0);
-        let filled = [0.55, 0.72, 0.8].map(|fullness| dome.clone().filled(fullness));
+        let dome = Dome::new(DVec2::new(5.0, -3.0), HalfBall::round(60.0, 40.0), 1.0);
+        let filled = [0.55, 0.72, 0.8].map(|fullness| {
+            let shape = HalfBall::round(60.0, 40.0).filled(fullness);
+            Dome::new(DVec2::new(5.0, -3.0), shape, 1.0)
+        });
         for dome in [dome.clone(), dome.over(CURVED)].into_iter().chain(filled) {
             let ratio = volume(&Solid::implant(&dome)) / dome.volume();
             assert!(ratio < 1.0 && ratio > 0.998, "{ratio}");
         }
-        let outside = Dome::new(DVec2::ZERO, 60.0, 40.0, 0.0);
+        let outside = Dome::new(DVec2::ZERO, HalfBall::round(60.0, 40.0), 0.0);
         assert!(Solid::implant(&outside).vertices.is_empty());
     }
 }

@@ -373,14 +373,14 @@ fn unresolved_part(problem: &Problem, contact_nodes: usize) -> Option<&'static s
     let dome = &obstacle.dome;
     let least = LEAST_CELLS * rest.sheet().spacing_mm();
     let is_fully_in = dome.base_height >= 0.0;
-    let room = patch.pocket_radius_mm - dome.center.length() - dome.base_radius;
+    let room = patch.pocket_radius_mm - dome.center.length() - dome.reference_length();
     if dome.top() <= 0.0 {
         None
-    } else if dome.apex_radius() < least {
+    } else if dome.shape.apex_radius() < least {
         Some("the implant's tip")
-    } else if dome.wall_radius() < least {
+    } else if dome.wall_axes().min_element() < least {
         Some("the inserted part of the implant")
-    } else if is_fully_in && dome.base_curvature_radius() < least && room < least {
+    } else if is_fully_in && dome.shape.rim_radius() < least && room < least {
         Some("the implant's rim")
     } else if contact_nodes > 0 && (contact_nodes as f64) < PI * LEAST_CELLS * LEAST_CELLS {
         Some("the small contact area")

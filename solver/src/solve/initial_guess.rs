@@ -17,7 +17,8 @@ pub(crate) fn taut_profile(rest: &Rest, dome: &Dome) -> Vec<DVec3> {
 /// [`taut_profile`] down to a circle of this radius \[mm\], beyond which nodes are at rest.
 pub(crate) fn taut_within(rest: &Rest, dome: &Dome, radius: f64) -> Vec<DVec3> {
     let (sheet, meridian) = (rest.sheet(), meridian(dome));
-    let (axis, axes) = (dome.axis(0.0), DVec2::new(1.0, dome.base_along / dome.base_radius));
+    let half_axes = dome.shape.half_axes();
+    let (axis, axes) = (dome.axis(0.0), DVec2::new(1.0, half_axes.y / half_axes.x));
     let mut profile = Vec::with_capacity(MERIDIAN + 2);
     sheet
         .rest()

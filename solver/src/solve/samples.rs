@@ -1,7 +1,7 @@
 //! Problems of the tests: skin over adipose.
 
 use super::{Problem, Tissue};
-use crate::contact::{Dome, Obstacle};
+use crate::contact::{Dome, HalfBall, Obstacle};
 use crate::curve::{Curve, CurveSpec, Fat};
 use crate::mesh::{Attachment, Edge, Patch, Rest, Sheet};
 use crate::springs::{Material, Springs};
@@ -17,7 +17,11 @@ pub(crate) fn sheet(nodes_per_side: usize, center_mm: [f64; 2], insertion: f64) 
     Problem {
         rest: Rest::of_sheet(Sheet::new(nodes_per_side, 75.0)),
         patch: Patch::clamped_at_pocket(75.0),
-        obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::from(center_mm), 55.0, 55.0, insertion)),
+        obstacle: Obstacle::on_flat_wall(Dome::new(
+            DVec2::from(center_mm),
+            HalfBall::round(55.0, 55.0),
+            insertion,
+        )),
         materials: vec![layer(&CurveSpec::Skin {}, 0.45), layer(&CurveSpec::Adipose {}, 0.45)],
         springs: Springs::Coupled,
         tissue: Tissue::Sheet,
@@ -34,7 +38,7 @@ pub(crate) fn layered_at_rest(nodes_per_side: usize) -> Problem {
     Problem {
         rest: Rest::layered(Sheet::new(nodes_per_side, patch.radius_mm), &[10.0], 2),
         patch,
-        obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, 50.0, 50.0, 0.0)),
+        obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, HalfBall::round(50.0, 50.0), 0.0)),
         materials: vec![layer(&CurveSpec::Skin {}, 0.45), Material { thickness_mm: 10.0, ..fat }],
         springs: Springs::Coupled,
         tissue: Tissue::Layered,

@@ -91,7 +91,7 @@ pub(crate) fn invalid(
     let tip = dome.apex().z;
     let (protrusion, radius) = (tip - highest, dome.reference_length());
     let (of_axis, of_radius) = MAX_TIP_HEIGHT;
-    is_penetrated |= protrusion > (of_axis * dome.least_half_axis()).max(of_radius * radius);
+    is_penetrated |= protrusion > (of_axis * dome.shape.least_length()).max(of_radius * radius);
     // A small cap may lie between the nodes.
     is_penetrated |= protrusion > (0.5 * tip).max(tolerance.max(MIN_CAP_HEIGHT) * radius);
     if is_penetrated { Some(Invalid::Penetrated) } else { is_folded.then_some(Invalid::Inverted) }
@@ -100,6 +100,7 @@ pub(crate) fn invalid(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::HalfBall;
     use crate::mesh::Rest;
     use crate::solve::initial_guess;
     use glam::DVec2;
@@ -108,7 +109,7 @@ mod tests {
     fn the_initial_guess_of_an_anatomical_implant_is_valid() {
         let rest = Rest::of_sheet(Sheet::new(65, 75.0));
         for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(4.0, -3.0), 0.7)] {
-            let dome = Dome::new(center, 55.0, 40.0, t).anatomical(65.0, 28.0);
+            let dome = Dome::new(center, HalfBall::round(55.0, 40.0).anatomical(65.0, 28.0), t);
             let x = initial_guess::taut_profile(&rest, &dome);
             assert_eq!(invalid(rest.sheet(), &dome, 1e-4, [0; 2], |i, j| x[j * 65 + i]), None);
             let highest = x.iter().max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
@@ -122,7 +123,7 @@ mod tests {
         let (sheet, n) = (rest.sheet(), 33);
         let middle = 16 * n + 16;
         for (center, t) in [(DVec2::ZERO, 1.0), (DVec2::new(9.0, -4.0), 0.6), (DVec2::ZERO, 0.0)] {
-            let dome = Dome::new(center, 55.0, 40.0, t);
+            let dome = Dome::new(center, HalfBall::round(55.0, 40.0), t);
             let valid = initial_guess::taut_profile(&rest, &dome);
             let invalid_of = |x: &[DVec3], first: usize| {
                 invalid(sheet, &dome, 1e-4, [first; 2], |i, j| x[j * n + i])
@@ -158,7 +159,7 @@ mod tests {
     fn a_needle_without_a_node_on_its_tip_penetrates() {
         let sheet = Sheet::new(33, 70.0);
         let n = 33;
-        let dome = Dome::new(DVec2::new(0.5, 0.0), 2.0, 40.0, 1.0);
+        let dome = Dome::new(DVec2::new(0.5, 0.0), HalfBall::round(2.0, 40.0), 1.0);
         let mut x: Vec<DVec3> = sheet.rest().iter().map(|p| p.extend(0.0)).collect();
         let invalid_of = |x: &[DVec3]| invalid(&sheet, &dome, 1e-4, [0; 2], |i, j| x[j * n + i]);
         x[16 * n + 16] = dome.apex();

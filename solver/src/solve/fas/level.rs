@@ -4,7 +4,7 @@ use super::smoother::{self, Conditions, Contact, Damping};
 use super::transfer;
 use crate::contact::contact_edge;
 use crate::contact::lanes::LaneObstacle;
-use crate::contact::{Dome, Obstacle};
+use crate::contact::{Dome, HalfBall, Obstacle};
 use crate::mesh::Rest;
 use crate::mesh::lanes::{Field, Layout, Mirrored};
 use crate::model::columns::Stiffness;
@@ -61,7 +61,8 @@ impl<M: ElasticModel> Level<M> {
         let length = layout.len();
         let layers = model.layers();
         let field = || Field::new(length, layers);
-        let nowhere = Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, 1.0, 1.0, 1.0));
+        let nowhere =
+            Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, HalfBall::round(1.0, 1.0), 1.0));
         Self {
             obstacle: LaneObstacle::new(&nowhere),
             exact_obstacle: nowhere,
@@ -131,7 +132,7 @@ impl<M: ElasticModel> Level<M> {
                 contact_offset[at] = offset as f32;
             }
         });
-        greatest * dome.greatest_half_axis()
+        greatest * dome.shape.greatest_length()
     }
 
     pub(super) fn invert_blocks(&mut self, model: &M) {

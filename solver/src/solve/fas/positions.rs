@@ -40,7 +40,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         x: &mut [DVec3],
         offset_nodes: &mut Vec<(usize, DVec3)>,
     ) {
-        let (rest, shape) = (&problem.rest, problem.obstacle.dome.shape::<f64>());
+        let (rest, dome) = (&problem.rest, problem.obstacle.dome.draped::<f64>());
         offset_nodes.clear();
         let Level { layout, u, active, contact_offset, .. } = self.finest();
         let (n, first) = (layout.nodes_per_side, layout.first());
@@ -59,11 +59,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
                     }
                     let (point, is_lifted) = (x[k].to_array(), offset > 0.0 && is_active);
                     // Most nodes need no root.
-                    let is_near = offset == 0.0 && shape.length_squared(point) < 1.0 + 1e-3;
+                    let is_near = offset == 0.0 && dome.length_squared(point) < 1.0 + 1e-3;
                     if is_lifted || is_near {
-                        let near = shape.near(point);
+                        let near = dome.near(point);
                         if is_lifted || near.length < 1.0 + TOUCH_F32 {
-                            x[k] += DVec3::from(shape.way_to(&near, 1.0));
+                            x[k] += DVec3::from(dome.way_to(&near, 1.0));
                         }
                     }
                 };

@@ -2,12 +2,13 @@
 
 use super::convergence::Offsets;
 use super::*;
-use crate::contact::{Dome, Obstacle};
+use crate::contact::{Dome, HalfBall, Obstacle, Superellipse};
 use crate::curve::{Curve, CurveSpec};
-use crate::mesh::{Patch, Rest, Sheet};
+use crate::mesh::{Chest, Patch, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::model::membrane::lanes::Membrane;
 use crate::model::membrane::law::SheetLaw;
+use crate::solve::{Method, Options, Progress, Solver, Verdict, samples};
 use crate::springs::{Material, Springs};
 use glam::{DVec2, DVec3};
 
@@ -26,7 +27,11 @@ fn the_energy_falls_in_every_cycle() {
         let problem = Problem {
             rest: Rest::of_sheet(Sheet::new(65, 75.0)),
             patch: Patch::clamped_at_pocket(75.0),
-            obstacle: Obstacle::on_flat_wall(Dome::new(DVec2::from(center), 50.0, projection, 1.0)),
+            obstacle: Obstacle::on_flat_wall(Dome::new(
+                DVec2::from(center),
+                HalfBall::round(50.0, projection),
+                1.0,
+            )),
             materials: layers.into_iter().map(|(spec, nu)| material(spec, nu)).collect(),
             springs,
             tissue: crate::solve::Tissue::Sheet,
@@ -54,5 +59,36 @@ fn the_energy_falls_in_every_cycle() {
             assert!(pair[1] <= pair[0] * (1.0 + 1e-6), "{energies:?}");
         }
         assert!(energies[energies.len() - 1] < energies[0]);
+    }
+}
+
+/// A sheet, and layered tissue over a curved wall.
+#[test]
+fn another_shape_is_solved_as_by_newtons_method() {
+    let shape = Superellipse { radius: 48.0, projection: 30.0 };
+    let on = |problem: Problem, insertion, chest: Chest| {
+        let dome = Dome::new(DVec2::new(3.0, -2.0), shape, insertion);
+        let obstacle = Obstacle::on_flat_wall(dome).over(chest.clone());
+        Problem { rest: problem.rest.over(chest), obstacle, ..problem }
+    };
+    let chest = Chest::Curved { across_mm: 140.0, along_mm: 400.0 };
+    for problem in [
+        on(samples::sheet(65, [0.0; 2], 1.0), 0.8, Chest::Flat),
+        on(samples::layered_at_rest(33), 1.0, chest),
+    ] {
+        let [multigrid, newton] = [Method::Automatic, Method::Newton].map(|method| {
+            let options = Options { method, ..Options::default() };
+            let mut solver = Solver::with_options(problem.clone(), options);
+            while solver.advance(&mut || false) == Progress::Working {}
+            assert_eq!(solver.verdict(), Verdict::Converged);
+            solver
+        });
+        assert!(!multigrid.fell_back() && multigrid.cycles() > 0);
+        let dome = &problem.obstacle.dome;
+        let apart = multigrid.positions().iter().zip(newton.positions());
+        let apart = apart.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(apart < 2.0 * problem.tolerance * dome.reference_length(), "{apart}");
+        let touching = multigrid.positions().iter().filter(|x| dome.gauge(**x).abs() < 1e-6);
+        assert!(touching.count() > 50);
     }
 }

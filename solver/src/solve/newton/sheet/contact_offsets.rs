@@ -23,7 +23,7 @@ impl SheetNewton {
                 is_off.then(|| dome.gauge(x[at]))
             };
             offset[k] = contact_edge::offset(gap);
-            greatest = greatest.max(offset[k].abs() * dome.greatest_half_axis());
+            greatest = greatest.max(offset[k].abs() * dome.shape.greatest_length());
         }
         let length = dome.reference_length();
         let fraction = contact_edge::fraction(greatest / length, case.tolerance / length);
@@ -51,7 +51,7 @@ impl SheetNewton {
         let iterations = self.iterations;
         self.start(case);
         self.iterations = iterations.min(self.max_iterations / 2);
-        self.system.neglected_offset = greatest * case.obstacle.dome.greatest_half_axis();
+        self.system.neglected_offset = greatest * case.obstacle.dome.shape.greatest_length();
         true
     }
 }

@@ -125,6 +125,7 @@ fn share_flags(mirrors: &[Mirror], sheet: &Sheet, free: &[u32], flags: &mut [u8]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::HalfBall;
     use crate::mesh::NodeKind;
 
     #[test]
@@ -142,7 +143,8 @@ mod tests {
             ([2.0, -2.0], 1),
             ([2.0, 1.0], 0),
         ] {
-            let mirrors = Mirror::of(&Dome::new(DVec2::from(center), 4.0, 4.0, 1.0));
+            let mirrors =
+                Mirror::of(&Dome::new(DVec2::from(center), HalfBall::round(4.0, 4.0), 1.0));
             assert_eq!(mirrors.len(), count, "{center:?}");
             let wave = |k: usize, f: f64| (f * k as f64).sin();
             let mut v: Vec<DVec3> = (0..sheet.len())

@@ -6,23 +6,9 @@
 //! at its base. The map is odd, so that a point below the base has a place, too.
 
 use crate::number::Real;
-use std::f64::consts::PI;
-
-/// Fullness of half of an ellipsoid \[-\].
-pub const HALF_ELLIPSOID: f64 = 2.0 / 3.0;
-
-/// Volume of a dome of half-axes of its base and projection \[mm\] and its fullness \[-\], in mm³. Linear in each of the four.
-#[must_use]
-pub fn dome_volume([a, b, p]: [f64; 3], fullness: f64) -> f64 {
-    fullness * PI * (a * b) * p
-}
 
 /// Heights ζ below which the map is linear \[-\]: beyond the rounding of f32, above its least numbers.
 const LEAST: f64 = 1e-6;
-/// Height of the contact's Hessian \[-\], below which its second derivative is that at this height. With m < 2 the derivative grows without limit
-/// towards the rim, as a sharp edge's, from which a node may slide: times the reaction it would outweigh the tissue's stiffness. With
-/// the bound steps of Newton's method converge at a slower rate there.
-pub(super) const LEAST_OF_CONTACT: f64 = 0.01;
 
 /// The map of heights.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,178 @@
+//! The gauge of a half-ball's image.
+//!
+//! A position (x, y, z) is the image of s = (x/a, (y + σz)/b, z/p) in the half-ball: half-axes a and b of the base, projection p, and a shear σ that
+//! moves the apex by σp towards −y; of another fullness than half of an ellipsoid the last number is mapped further ([`Fullness`]). The
+//! length |s| is one on the surface; the gauge is |s| − 1.
+
+use super::super::traits::Gauge;
+use super::fullness::Fullness;
+use crate::mesh::vec3::{Block, dot};
+use crate::number::Real;
+
+/// Lengths below which a point counts as the centre.
+const LEAST_LENGTH: f64 = 1e-6;
+/// Steps of Newton's method along a direction: nodes in contact end within rounding in f32.
+const STEPS_ALONG: usize = 4;
+
+/// The gauge of a half-ball's image, in any unit of length.
+#[derive(Clone, Debug)]
+pub(crate) struct HalfBallGauge<R> {
+    /// Reciprocal half-axes.
+    per_axis: [R; 3],
+    /// Way of the axis towards −y per height; `None` for an upright axis.
+    shear: Option<R>,
+    /// The map of heights; `None` for half of an ellipsoid.
+    fullness: Option<Fullness<R>>,
+}
+
+impl<R: Real> HalfBallGauge<R> {
+    /// With half-axes a, b, p, the way of the apex towards −y, and the exponent m of the heights, `None` for half of an ellipsoid.
+    pub(super) fn new(half_axes: [f64; 3], shift: f64, exponent: Option<f64>) -> Self {
+        Self {
+            per_axis: half_axes.map(|axis| R::splat(1.0 / axis)),
+            shear: (shift != 0.0).then(|| R::splat(shift / half_axes[2])),
+            fullness: exponent.map(Fullness::new),
+        }
+    }
+
+    /// The linear part of the source of a vector: all of it for half of an ellipsoid.
+    #[inline(always)]
+    fn linear(&self, [x, mut y, z]: [R; 3]) -> [R; 3] {
+        if let Some(shear) = self.shear {
+            y += shear * z;
+        }
+        [x * self.per_axis[0], y * self.per_axis[1], z * self.per_axis[2]]
+    }
+
+    /// The transposed map of [`Self::linear`]: the gradient of a function of that part.
+    #[inline(always)]
+    fn gradient(&self, of: [R; 3]) -> [R; 3] {
+        let [x, y, mut z] = [0, 1, 2].map(|axis| of[axis] * self.per_axis[axis]);
+        if let Some(shear) = self.shear {
+            z += shear * y;
+        }
+        [x, y, z]
+    }
+
+    /// [`Gauge::way_to`] with a map of heights: along the image of the half-ball's ray, or along the axis.
+    #[inline(never)]
+    fn way_of_fullness(&self, fullness: &Fullness<R>, p: [R; 3], length: R, to: R) -> [R; 3] {
+        let zero = R::splat(0.0);
+        let [x, y, z] = self.linear(p);
+        let factor = to / length.max(R::splat(LEAST_LENGTH));
+        let left = to * to - x * x - y * y;
+        // Sources and heights of both ends.
+        let rise = |height: R| (height - z) / self.per_axis[2];
+        let upright = rise(fullness.image(left.max(zero).sqrt()));
+        let along = rise(fullness.image(factor * fullness.source(z).0));
+        let lean = self.shear.unwrap_or_default();
+        let aside = -(lean * upright);
+        let [across, down] =
+            [x / self.per_axis[0], y / self.per_axis[1]].map(|way| way * (factor - R::splat(1.0)));
+        let ray = [across, down - lean * along, along];
+        let most = R::select(left.is_above(zero), dot(ray, ray), zero);
+        let is_upright = most.is_above(upright * upright + aside * aside);
+        [
+            R::select(is_upright, zero, ray[0]),
+            R::select(is_upright, aside, ray[1]),
+            R::select(is_upright, upright, ray[2]),
+        ]
+    }
+}
+
+impl<R: Real> Gauge<R> for HalfBallGauge<R> {
+    #[inline(always)]
+    fn length_squared(&self, at: [R; 3]) -> R {
+        let mut s = self.linear(at);
+        if let Some(fullness) = &self.fullness {
+            s[2] = fullness.source(s[2]).0;
+        }
+        dot(s, s)
+    }
+
+    #[inline(always)]
+    fn length(&self, at: [R; 3]) -> (R, [R; 3]) {
+        let mut s = self.linear(at);
+        // Half of the gradient of |s|² by the linear part.
+        let mut pull = s;
+        if let Some(fullness) = &self.fullness {
+            (s[2], pull[2]) = fullness.source(s[2]);
+        }
+        let length = dot(s, s).sqrt();
+        let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
+        (length, self.gradient(pull.map(|pull| pull * per)))
+    }
+
+    #[inline(always)]
+    fn curvature(&self, at: [R; 3], length: R, g: [R; 3], least: f64) -> Block<R> {
+        let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
+        let [x, y, mut z] = self.per_axis.map(|axis| axis * axis);
+        if let Some(fullness) = &self.fullness {
+            z = z * fullness.bend(at[2] * self.per_axis[2], least);
+        }
+        let mut sum = [
+            (x - g[0] * g[0]) * per,
+            -g[0] * g[1] * per,
+            -g[0] * g[2] * per,
+            (y - g[1] * g[1]) * per,
+            -g[1] * g[2] * per,
+            (z - g[2] * g[2]) * per,
+        ];
+        if let Some(shear) = self.shear {
+            let y = shear * y;
+            sum[4] += y * per;
+            sum[5] += shear * y * per;
+        }
+        sum
+    }
+
+    /// A root of a quadratic equation, with a map of heights by Newton's method.
+    #[inline(always)]
+    fn distance_along(&self, at: [R; 3], direction: [R; 3], length: R) -> R {
+        let (s, g) = (self.linear(at), self.linear(direction));
+        if let Some(fullness) = &self.fullness {
+            return distance_to(fullness, s, g, length);
+        }
+        let (a, b, c) = (dot(g, g), dot(s, g), dot(s, s) - length * length);
+        let root = (b * b - a * c).max(R::splat(0.0)).sqrt();
+        -c / (b + root).max(R::splat(1e-20))
+    }
+
+    #[inline(always)]
+    fn way_to(&self, p: [R; 3], length: R, to: R) -> [R; 3] {
+        if let Some(fullness) = &self.fullness {
+            return self.way_of_fullness(fullness, p, length, to);
+        }
+        let zero = R::splat(0.0);
+        let ray = (to - length) / length.max(R::splat(LEAST_LENGTH));
+        let s = self.linear(p);
+        let height = to * to - s[0] * s[0] - s[1] * s[1];
+        let upright = (height.max(zero).sqrt() - s[2]) / self.per_axis[2];
+        let most = R::select(height.is_above(zero), ray * ray * dot(p, p), zero);
+        let aside = self.shear.map_or(zero, |shear| -(shear * upright));
+        let is_upright = most.is_above(upright * upright + aside * aside);
+        [
+            R::select(is_upright, zero, p[0] * ray),
+            R::select(is_upright, aside, p[1] * ray),
+            R::select(is_upright, upright, p[2] * ray),
+        ]
+    }
+}
+
+/// The multiple of a direction that leads from a point to a length, both in the linear part of the source: |s|² is convex along the
+/// direction, so that steps of Newton's method stay beyond the root after the first.
+#[inline(never)]
+fn distance_to<R: Real>(fullness: &Fullness<R>, from: [R; 3], direction: [R; 3], length: R) -> R {
+    let half = R::splat(0.5);
+    let most = R::splat(1.0) / dot(direction, direction).sqrt().max(R::splat(1e-20));
+    let mut factor = R::splat(0.0);
+    for _ in 0..STEPS_ALONG {
+        let at = [0, 1, 2].map(|axis| from[axis] + direction[axis] * factor);
+        let (s, pull) = fullness.source(at[2]);
+        let over = half * (at[0] * at[0] + at[1] * at[1] + s * s - length * length);
+        let slope = at[0] * direction[0] + at[1] * direction[1] + pull * direction[2];
+        let step = over / slope.max(R::splat(1e-20));
+        factor = factor - step.max(-most).min(most);
+    }
+    factor
+}
