@@ -15,7 +15,7 @@ const BASE: &str = "Breast base measured";
 /// Drops a table, and waits for the notice, which fades.
 fn drop_table(harness: &mut Harness<'static, App>, text: &str, notice: &str) {
     let file = Dropped { path: "rule.csv".into(), text: text.to_owned() };
-    harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
+    harness.input_mut().dropped_files.push(Arc::new(file));
     wait_until(harness, "the notice", |harness| text_with(harness, notice));
 }
 
