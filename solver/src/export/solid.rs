@@ -243,7 +243,7 @@ fn border_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::HalfBall;
+    use crate::contact::{HalfBall, Shape, Superellipse};
     use crate::measure::{Stack, of_faces};
     use crate::mesh::Sheet;
 
@@ -339,12 +339,12 @@ mod tests {
 
     #[test]
     fn an_implant_in_place_has_its_volume() {
-        let dome = Dome::new(DVec2::new(5.0, -3.0), HalfBall::round(60.0, 40.0), 1.0);
-        let filled = [0.55, 0.72, 0.8].map(|fullness| {
-            let shape = HalfBall::round(60.0, 40.0).filled(fullness);
-            Dome::new(DVec2::new(5.0, -3.0), shape, 1.0)
-        });
-        for dome in [dome.clone(), dome.over(CURVED)].into_iter().chain(filled) {
+        let of = |shape: Shape| Dome::new(DVec2::new(5.0, -3.0), shape, 1.0);
+        let round = HalfBall::round(60.0, 40.0);
+        let dome = of(round.into());
+        let filled = [0.55, 0.72, 0.8].map(|fullness| of(round.filled(fullness).into()));
+        let another = of(Superellipse { radius: 60.0, projection: 40.0 }.into());
+        for dome in [dome.clone(), dome.over(CURVED)].into_iter().chain(filled).chain([another]) {
             let ratio = volume(&Solid::implant(&dome)) / dome.volume();
             assert!(ratio < 1.0 && ratio > 0.998, "{ratio}");
         }

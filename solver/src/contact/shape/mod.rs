@@ -1,8 +1,8 @@
 //! Shapes of implants, and a shape in place.
 //!
 //! `traits` (what a shape is: sizes and lines in f64; its gauge in f64 and for four f32 at a time) | `half_ball` (round and anatomical implants of
-//! any fullness) | `draped` (the map from a shape to its place over the wall). A further shape is a file with both traits, and a
-//! variant of both enums here.
+//! any fullness) | `draped` (the map from a shape to its place over the wall). A further shape is a file with both traits
+//! and its line in the list [`shapes!`].
 
 mod draped;
 mod half_ball;
@@ -21,7 +21,7 @@ use superellipse::{Superellipse, SuperellipseGauge};
 pub(super) use traits::Gauge;
 pub use traits::Geometry;
 
-/// Makes [`Shape`] and [`ShapeGauge`] of all shapes, each with its gauge.
+/// The enums of all shapes and of their gauges, with static dispatch: an enum of one shape costs nothing.
 macro_rules! shapes {
     ($($(#[$attribute:meta])* $shape:ident with $gauge:ident;)+) => {
         /// The shape of an implant.
