@@ -59,8 +59,7 @@ impl HalfBall {
     }
 
     /// The exponent m of its heights; `None` for half of an ellipsoid.
-    #[must_use]
-    pub fn exponent(&self) -> Option<f64> {
+    fn exponent(&self) -> Option<f64> {
         let is_other = (self.fullness - HALF_ELLIPSOID).abs() > 1e-9;
         is_other.then(|| self.fullness / (1.0 - self.fullness))
     }
