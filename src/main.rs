@@ -3,7 +3,7 @@
 #[cfg(target_arch = "wasm32")]
 fn main() {
     #[cfg(feature = "app")]
-    implant_preview::platform::web::run();
+    implant_preview::platform::page::run();
 }
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -15,7 +15,7 @@ fn main() -> std::process::ExitCode {
         return code;
     }
     #[cfg(feature = "app")]
-    if let Err(error) = implant_preview::platform::native::run() {
+    if let Err(error) = implant_preview::platform::desktop::run() {
         #[expect(clippy::print_stderr, reason = "without a window, standard error is left")]
         {
             eprintln!("implant-preview: the window cannot be opened: {error}");

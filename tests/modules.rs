@@ -216,7 +216,8 @@ fn a_circle_of_imports_is_found() {
 }
 
 /// The files that name `App`: its state, its interface to the platform, frames, actions, the arrangement of the screen.
-const OF_APP: [&str; 5] = ["app", "app::interface", "app::logic", "app::perform", "app::ui"];
+const OF_APP: [&str; 5] =
+    ["app", "app::frame::interface", "app::frame::logic", "app::frame::perform", "app::frame::ui"];
 
 #[test]
 fn panels_do_not_name_the_app() {

@@ -4,101 +4,51 @@
 //! actions, turns the difference of the scenes into one [`Command`] for the [`Session`], and solves for one slice of a few
 //! milliseconds between the plan and what shows its results. At rest the app neither solves nor draws.
 //!
-//! This file and `interface` contain the state of the app and its interface to `platform` and the tests. `logic` runs
-//! frames, `perform` executes actions, `ui` arranges the screen: `plan` with `volume_marks`, `volume_band` and `shelf_largest`, `practice` with what practice takes, `advanced` with `fat` and `curve_editor` on the left, `viewport` with
-//! `view_bar`, `view_menu` or `range` in the middle, `answer` or `no_answer`, `filling` with `fill_steps`, `uncertainty`, `details` and `plots` on the right.
-//! `commands` is the table of all commands, for menus, keys and `palette`; `strip` is the cross-section under the picture, `handles` drags the
-//! implant on it, `insertion` plays the push of the implant into its place.
-//! `research` is the switch of what a surgeon never needs; `messages` shows notices and the pages without a picture; `report` saves picture and report, `numbers` all results as a table; `opened` finds the plan in a file; `controls` finds controls by
-//! name for scripts; `clipboard` reads a pasted table.
+//! The rooms: `frame` runs frames and arranges the screen; `plan` with the `curve_editor` on the left, `picture` or `range` in the
+//! middle, `answer` on the right; `paper` is what leaves the screen. All use `widgets` and `texts`. This file contains the state of the app.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
-mod action;
-mod advanced;
 mod answer;
-mod clipboard;
-mod commands;
-mod compare;
-mod controls;
 mod curve_editor;
-mod details;
-mod device;
-mod differing;
-mod fat;
-mod files;
-mod fill_steps;
-mod filling;
-mod focus;
-mod handles;
-mod insertion;
-mod interface;
-mod keys;
-mod link;
-mod logic;
-mod messages;
-mod no_answer;
-mod numbers;
-mod opened;
-mod palette;
-mod panel_widths;
-mod perform;
+mod frame;
+mod paper;
+mod picture;
 mod plan;
-mod plots;
-mod practice;
 mod range;
-mod report;
-mod research;
-mod shared;
-mod shelf_largest;
-mod stability;
-mod stats;
-mod status;
-mod strip;
-mod studies;
 mod texts;
-mod theme;
-mod toolbar;
-mod ui;
-mod uncertainty;
-mod view_bar;
-mod view_menu;
-mod viewport;
-mod volume_band;
-mod volume_marks;
-mod volumes;
 mod widgets;
 
-pub use stats::Stats;
-pub use studies::{JobRunner, Wake};
+pub use frame::stats::Stats;
+pub use frame::studies::{JobRunner, Wake};
 
 use crate::measure::Outcome;
 use crate::scene::{Scene, SceneError};
 use crate::session::{Command, CommandError, Record, Session};
-use action::Action;
-use compare::{Compare, Keep};
+use answer::compare::{Compare, Keep};
+use answer::filling::Filling;
+use answer::no_answer::NearestSearch;
+use answer::practice::Practices;
+use answer::uncertainty::Uncertainty;
 use eframe::{egui, glow};
 use egui::FocusDirection;
-use files::Files;
-use filling::Filling;
-use focus::Focus;
-use handles::Handles;
-use insertion::Insertion;
-use logic::Edits;
-use messages::Notice;
-use no_answer::NearestSearch;
-use practice::Practices;
+use frame::action::Action;
+use frame::files::Files;
+use frame::focus::Focus;
+use frame::logic::Edits;
+use frame::messages::Notice;
+use frame::shared::Shared;
+use frame::status::Timing;
+use frame::studies::Studies;
+use frame::ui::{Screen, Windows};
+use picture::handles::Handles;
+use picture::insertion::Insertion;
+use picture::viewport::Viewport;
+use plan::volume_marks::VolumeMarks;
 use range::Range;
-use shared::Shared;
-use shelf_largest::ShelfLargest;
-use status::Timing;
+use range::shelf_largest::ShelfLargest;
 use std::sync::Arc;
-use studies::Studies;
 use texts::tr;
-use ui::{Screen, Windows};
-use uncertainty::Uncertainty;
-use viewport::Viewport;
-use volume_marks::VolumeMarks;
 
 /// The app: the state that all panels read, the panels with a state of their own, their actions.
 pub struct App {
@@ -140,7 +90,7 @@ impl App {
         scene: Scene,
         runner: impl FnOnce(Wake) -> Box<JobRunner>,
     ) -> Result<Self, SceneError> {
-        theme::install(ctx);
+        widgets::theme::install(ctx);
         Ok(Self {
             ctx: ctx.clone(),
             keep: Keep::new(scene.clone()),
@@ -148,7 +98,7 @@ impl App {
                 session: Session::new(scene)?,
                 choices: plan::Choices::default(),
                 viewport: Viewport::new(gl),
-                options: viewport::Options::default(),
+                options: picture::viewport::Options::default(),
                 compare: Compare::default(),
                 uncertainty: Uncertainty::default(),
                 volume_marks: VolumeMarks::default(),
@@ -180,7 +130,7 @@ impl App {
         // The memory of egui: theme, widths of panels, scroll positions. It has no fonts, and would drop those set before.
         let memory = self.ctx.memory(Clone::clone);
         ctx.memory_mut(|own| *own = memory);
-        theme::install(ctx);
+        widgets::theme::install(ctx);
         self.ctx = ctx.clone();
         self.shared.viewport.move_to(gl);
         self.panels.range.forget_texture();
@@ -256,7 +206,7 @@ impl App {
             outcome: self.outcome()?,
             scene: self.shared.session.scene().without_visit(),
             program_version: env!("CARGO_PKG_VERSION"),
-            date: files::date(),
+            date: frame::files::date(),
         };
         serde_json::to_string_pretty(&record).ok()
     }

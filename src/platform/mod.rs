@@ -1,39 +1,28 @@
-//! Platform code: files, clocks, windows, the web page, JavaScript.
+//! Platform code: files, clocks, windows, the web page, JavaScript. No other module uses it.
 //!
-//! Only these modules depend on a platform; no other module uses them.
-
-#[cfg(all(feature = "js-api", target_arch = "wasm32"))]
-mod benchmark;
-
-#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
-mod clock;
-
-#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
-pub mod js;
-
-#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
-pub mod studies;
+//! `desktop` is the window, `page` the web page, `js` the JavaScript API of page and package, `command_line` the commands.
+//! Natively jobs run on the threads of `runner`, in the browser on `workers`; `keep` has the texts that stay between starts.
 
 #[cfg(all(feature = "command-line", not(target_arch = "wasm32")))]
 pub mod command_line;
 
-#[cfg(all(any(feature = "app", feature = "command-line"), not(target_arch = "wasm32")))]
-pub mod runner;
+#[cfg(all(feature = "app", not(target_arch = "wasm32")))]
+pub mod desktop;
+
+#[cfg(all(feature = "js-package", target_arch = "wasm32"))]
+pub mod js;
 
 #[cfg(feature = "app")]
 mod keep;
 
-#[cfg(all(feature = "app", not(target_arch = "wasm32")))]
-pub mod native;
-
 #[cfg(all(feature = "app", target_arch = "wasm32"))]
-mod page_handle;
+pub mod page;
+
+#[cfg(all(any(feature = "app", feature = "command-line"), not(target_arch = "wasm32")))]
+pub mod runner;
 
 #[cfg(all(any(feature = "app", feature = "js-package"), target_arch = "wasm32"))]
 mod text;
-
-#[cfg(all(feature = "app", target_arch = "wasm32"))]
-pub mod web;
 
 #[cfg(all(any(feature = "app", feature = "js-package"), target_arch = "wasm32"))]
 pub mod workers;

@@ -4,21 +4,21 @@ use super::cards::{BarScale, Card, cover_marks};
 use crate::view::color::{self, Rgb};
 
 /// The bar of a card; places are fractions of its length \[-\].
-pub(in crate::app) struct Bar {
+pub(crate) struct Bar {
     /// Ends of the parts from the left, with their colours.
-    pub(in crate::app) parts: Vec<(f64, Rgb)>,
+    pub(crate) parts: Vec<(f64, Rgb)>,
     /// Limits with their texts, the most important first.
-    pub(in crate::app) limits: Vec<(f64, String)>,
+    pub(crate) limits: Vec<(f64, String)>,
     /// Does a limit part two colours, or stand on one?
-    pub(in crate::app) has_bands: bool,
+    pub(crate) has_bands: bool,
     /// Unit at the end of the bar; empty where the limits have theirs.
-    pub(in crate::app) unit: &'static str,
+    pub(crate) unit: &'static str,
     /// The value.
-    pub(in crate::app) value: Option<f64>,
+    pub(crate) value: Option<f64>,
     /// 10th and 90th percentile of the sampled patients.
-    pub(in crate::app) range: Option<[f64; 2]>,
+    pub(crate) range: Option<[f64; 2]>,
     /// Level of the word, 0 for a calm one.
-    pub(in crate::app) level: Option<usize>,
+    pub(crate) level: Option<usize>,
 }
 
 impl Bar {

@@ -2,10 +2,10 @@
 //! patients, on the card, in the sentence and in the report alike; the band of the patients stands in brackets, and the number of patients
 //! of each word in a line ([`shares`]).
 
+use super::practice::{Against, Practices};
 use super::shares;
-use crate::app::practice::{Against, Practices};
+use super::uncertainty::{FEW, Findings, figure};
 use crate::app::texts::{self, fixed, localized, tr, word_of};
-use crate::app::uncertainty::{FEW, Findings, figure};
 use crate::measure::bands::{self, Limits, PracticeStretch, SkinLimits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;

@@ -3,11 +3,11 @@
 use super::bar::Bar;
 use super::cards::{BarScale, Card};
 use super::text_of;
-use crate::app::device::Device;
+use super::uncertainty::{FEW, Findings, without_answer};
+use crate::app::plan::device::Device;
 use crate::app::texts::tr;
-use crate::app::theme::{self, SPACE};
-use crate::app::uncertainty::{FEW, Findings, without_answer};
 use crate::app::widgets::kept_lines;
+use crate::app::widgets::theme::{self, SPACE};
 use crate::measure::bands;
 use crate::view::color;
 use eframe::egui::{
@@ -161,7 +161,7 @@ fn rgb(color: color::Rgb) -> Color32 {
 }
 
 /// Colour of the words of a band, counted from the lowest.
-pub(in crate::app) fn band_color(ui: &Ui, band: usize) -> Color32 {
+pub(crate) fn band_color(ui: &Ui, band: usize) -> Color32 {
     let palette = theme::palette(ui.visuals());
     [palette.text, palette.caution, palette.bad, palette.bad][band.min(3)]
 }

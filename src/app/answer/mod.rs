@@ -6,19 +6,26 @@
 
 mod bar;
 mod cards;
+pub(crate) mod compare;
+pub(crate) mod details;
+pub(crate) mod differing;
 mod draw;
+pub(crate) mod fill_steps;
+pub(crate) mod filling;
+pub(crate) mod no_answer;
+pub(crate) mod plots;
+pub(crate) mod practice;
 mod shares;
+pub(crate) mod stability;
+pub(crate) mod uncertainty;
 
 pub(super) use bar::Bar;
 pub(super) use draw::band_color;
 
-use super::action::Action;
-use super::device::Device;
-use super::no_answer;
-use super::practice::{self, Practices};
-use super::theme::{self, SPACE};
-use super::uncertainty::Findings;
+use crate::app::frame::action::Action;
+use crate::app::plan::device::Device;
 use crate::app::texts::{self, tr, word_of};
+use crate::app::widgets::theme::{self, SPACE};
 use crate::measure::bands::{self, Limits, SkinLimits};
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
@@ -28,6 +35,8 @@ use crate::study::{implant_in_words, volume_and_width};
 use cards::{Answer, Card, cards};
 use draw::show_card;
 use eframe::egui::{self, RichText, Ui};
+use practice::Practices;
+use uncertainty::Findings;
 
 /// Results of the previous scene during a solve: shown during a short one, hidden during a long one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! A tensile test as text, pasted or of a file: what was read in it, and its units where they were guessed.
 
-use crate::app::action::{Action, Task};
-use crate::app::clipboard::Clipboard;
+use crate::app::frame::action::{Action, Task};
+use crate::app::frame::clipboard::Clipboard;
 use crate::app::texts::{self, tr};
-use crate::app::theme::SPACE;
+use crate::app::widgets::theme::SPACE;
 use crate::app::widgets::{
     button_if, choice, labelled_box, rejection_label, remark, set_accessible_name,
 };

@@ -7,8 +7,8 @@ mod window;
 
 pub(super) use window::CurveWindow;
 
-use super::widgets::{Control, Kind, button_if, choice, labelled_box, remark};
 use crate::app::texts::tr;
+use crate::app::widgets::{Control, Kind, button_if, choice, labelled_box, remark};
 use crate::curve::{Curve, CurveSpec, Fat, Interpolation, ScaledCurve};
 use eframe::egui::Ui;
 use std::ops::RangeInclusive;

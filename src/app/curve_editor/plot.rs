@@ -1,10 +1,10 @@
 //! A small plot of a preset curve with its scales: solid where the tissue was measured, dashed beyond.
 
-use crate::app::plots::{fixed_plot, sampled};
+use crate::app::answer::plots::{fixed_plot, sampled};
 use crate::app::range::marks;
 use crate::app::texts::{self, tr};
-use crate::app::theme::{self, SPACE};
 use crate::app::widgets::quantity::format_at_most;
+use crate::app::widgets::theme::{self, SPACE};
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::curve::{Curve, CurveSpec, ScaledCurve};
 use eframe::egui::{self, Color32, Rangef, Ui};

@@ -3,12 +3,12 @@
 //! of the layer's curve is multiplied in, and the layer takes them with scale 1.
 
 use super::import::Import;
-use crate::app::action::Action;
-use crate::app::messages::Notice;
-use crate::app::plots::fixed_plot;
+use crate::app::answer::plots::fixed_plot;
+use crate::app::frame::action::Action;
+use crate::app::frame::messages::Notice;
 use crate::app::range::marks;
 use crate::app::texts::{self, tr};
-use crate::app::theme::{self, SPACE};
+use crate::app::widgets::theme::{self, SPACE};
 use crate::app::widgets::{Kind, NumberField, button_if, quantity, rejection_label};
 use crate::curve::{Curve, CurveSpec, Interpolation};
 use crate::scene::{Layer, Scene};
@@ -28,7 +28,7 @@ const SAMPLES: i32 = 160;
 const MAX_DOTS: usize = 400;
 
 /// The window with its draft of a curve.
-pub(in crate::app) struct CurveWindow {
+pub(crate) struct CurveWindow {
     /// Number of the layer, from the skin inwards.
     layer: usize,
     points: Vec<[f64; 2]>,
@@ -42,7 +42,7 @@ pub(in crate::app) struct CurveWindow {
 
 impl CurveWindow {
     /// Opens the window on a layer's points; `None` for a curve of another kind.
-    pub(in crate::app) fn new(scene: &Scene, layer: usize) -> Option<Self> {
+    pub(crate) fn new(scene: &Scene, layer: usize) -> Option<Self> {
         let curve = &scene.layers.get(layer)?.curve;
         let CurveSpec::Points { points, interpolation } = &curve.spec else { return None };
         let scaled = |[strain, stress]: &[f64; 2]| {
@@ -60,7 +60,7 @@ impl CurveWindow {
     }
 
     /// Shows the window; returns whether the window stays open.
-    pub(in crate::app) fn show(
+    pub(crate) fn show(
         &mut self,
         ctx: &egui::Context,
         scene: &mut Scene,
@@ -131,7 +131,7 @@ impl CurveWindow {
     }
 
     /// Reads a tensile test in the text of a file. Returns the notice.
-    pub(in crate::app) fn read_file(&mut self, name: &str, text: String) -> Notice {
+    pub(crate) fn read_file(&mut self, name: &str, text: String) -> Notice {
         match self.import.read_file(text) {
             Ok(found) => {
                 (self.points, self.interpolation) = (found.points.clone(), Interpolation::Spline);

@@ -37,7 +37,7 @@ pub(super) fn choice(scene: &Scene) -> Option<&'static str> {
 }
 
 /// The chest of a scene in a few words with its radii.
-pub(in crate::app) fn chest_in_words(scene: &Scene) -> String {
+pub(crate) fn chest_in_words(scene: &Scene) -> String {
     let radius = |field: Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
     match CHEST.map(radius) {
         [None, _] if scene.chest_grid.is_some() => tr("from a grid of heights").to_owned(),

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// A field of the form.
 #[derive(Debug, Serialize)]
-pub(in crate::app) struct Field {
+pub(crate) struct Field {
     pub(super) name: &'static str,
     pub(super) label: &'static str,
     pub(super) unit: &'static str,

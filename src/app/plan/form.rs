@@ -53,7 +53,7 @@ const SKIN: &str = "skin";
 const CHEST: &str = "chest";
 
 /// The fields of the present plan, in the order of the screen.
-pub(in crate::app) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
+pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     let mut fields = Vec::with_capacity(NUMBERS.len() + 1);
     for (name, number) in NUMBERS {
         let has_shape = name == WIDTH && has_shape(choices);
@@ -156,7 +156,7 @@ fn chest_field(scene: &Scene) -> Field {
 ///
 /// # Errors
 /// Returns one line with the field, what is wrong and what is allowed; scene and choices are then unchanged.
-pub(in crate::app) fn set(
+pub(crate) fn set(
     scene: &mut Scene,
     choices: &mut Choices,
     name: &str,

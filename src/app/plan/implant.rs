@@ -1,12 +1,13 @@
 //! Round or anatomical implant, or expander: width, volume, projection, of which one follows the other two; profile.
 
+use super::volume_marks::VolumeMarks;
 use super::{Choices, Device, Hand, chip, chips, cm, mm, row, shape, title};
+use crate::app::frame::research;
 use crate::app::texts::{localized, tr};
-use crate::app::volume_marks::VolumeMarks;
+use crate::app::widgets::theme;
 use crate::app::widgets::{
     Control, Kind, kept_lines, quantity::significant, remark, set_accessible_name,
 };
-use crate::app::{research, theme};
 use crate::clinical::{Dimension, ProfileClass, Size, limits};
 use crate::scene::{Field, Scene};
 use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, vec2};
@@ -19,7 +20,7 @@ const DEVICES_WIDTH: f32 = 290.0;
 const VOLUME_TOOLTIP: &str = "Volume of the implant: width, projection and fullness give it. Round implants: 95–965 ml. 1 ml = 1 cc.";
 
 /// Shows the implant, with the marks of its volumes on a slider and the largest volume that stays usual.
-pub(in crate::app) fn implant(
+pub(crate) fn implant(
     ui: &mut Ui,
     scene: &mut Scene,
     choices: &mut Choices,
@@ -312,7 +313,7 @@ pub(super) fn resized(
 
 /// Sets the projection \[mm\], to whole millimetres in the limits; the other dimensions follow their marks. Returns whether the
 /// plan is another one.
-pub(in crate::app) fn set_projection(scene: &mut Scene, choices: &mut Choices, mm: f64) -> bool {
+pub(crate) fn set_projection(scene: &mut Scene, choices: &mut Choices, mm: f64) -> bool {
     let Ok(size) = scene.implant.size() else { return false };
     let dimension = Dimension::Projection;
     // A drag of the dome holds the width.
@@ -326,7 +327,7 @@ pub(in crate::app) fn set_projection(scene: &mut Scene, choices: &mut Choices, m
 }
 
 /// Projection and volume, and the limits of the projection at one of them.
-pub(in crate::app) fn projection_in_words(scene: &Scene, choices: &Choices) -> Vec<String> {
+pub(crate) fn projection_in_words(scene: &Scene, choices: &Choices) -> Vec<String> {
     let Ok(size) = scene.implant.size() else { return Vec::new() };
     let (cm, ml) = (size.projection_cm(), size.volume_ml());
     let allowed = allowed(size, Dimension::Projection, held(Dimension::Projection, choices));

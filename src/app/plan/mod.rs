@@ -5,8 +5,11 @@
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`).
 
+pub(crate) mod advanced;
 mod chest;
 mod date;
+pub(crate) mod device;
+pub(crate) mod fat;
 mod field;
 mod form;
 mod implant;
@@ -18,6 +21,9 @@ mod practice;
 mod shape;
 mod side;
 mod visit;
+pub(crate) mod volume_band;
+pub(crate) mod volume_marks;
+pub(crate) mod volumes;
 
 pub(super) use chest::chest_in_words;
 pub(super) use form::{fields, set};
@@ -34,11 +40,11 @@ pub(super) use visit::{
     set_visit, visit_in_words,
 };
 
-pub(super) use super::device::Device;
-use super::theme;
-use super::widgets::quantity::{format_at_most, significant};
-use super::widgets::{Control, ControlResponse};
+pub(super) use crate::app::plan::device::Device;
 use crate::app::texts::{self, fixed, tr};
+use crate::app::widgets::quantity::{format_at_most, significant};
+use crate::app::widgets::theme;
+use crate::app::widgets::{Control, ControlResponse};
 use crate::clinical::{Dimension, Size};
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
@@ -125,7 +131,7 @@ pub(super) fn poisson_ratios(scene: &Scene) -> String {
 
 /// What moves the controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Hand {
+pub(crate) enum Hand {
     /// A mouse: sliders.
     Mouse,
     /// A finger: steppers, because a swipe over a slider should scroll.

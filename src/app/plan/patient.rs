@@ -1,7 +1,7 @@
 //! What was measured on the patient, base of the breast, pinch, skin and chest, and what the measurements become.
 
 use super::{Hand, chest, chip, chips, cm, mm, row, title, visit};
-use crate::app::practice::Practices;
+use crate::app::answer::practice::Practices;
 use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{Control, remark};
@@ -14,7 +14,7 @@ use eframe::egui::{Id, Ui};
 const USUAL_PULL_MM: f64 = 25.0;
 
 /// Shows base of the breast, pinch, skin and chest, and the entries for the file. Returns the text field with the focus.
-pub(in crate::app) fn patient(
+pub(crate) fn patient(
     ui: &mut Ui,
     scene: &mut Scene,
     practices: &Practices,

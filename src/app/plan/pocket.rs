@@ -7,7 +7,7 @@ use crate::scene::{Field, Scene, limits};
 use eframe::egui::{RichText, Ui};
 
 /// Shows the margin of the pocket.
-pub(in crate::app) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+pub(crate) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     let width = quantity::format_at_most(cm(2.0 * scene.pocket_radius_mm), 1, 1);
     title(ui, tr("Pocket"), |ui| {
         let words = tr!("{width} cm wide", width);

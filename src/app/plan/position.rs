@@ -3,9 +3,9 @@
 
 use super::Device;
 use super::{Hand, cm, mm};
-use crate::app::messages::{Notice, Offer};
+use crate::app::frame::messages::{Notice, Offer};
 use crate::app::texts::tr;
-use crate::app::theme;
+use crate::app::widgets::theme;
 use crate::app::widgets::{Control, arrow_keys, keep_press, quantity, set_accessible_name};
 use crate::scene::{Field, Scene, limits};
 use eframe::egui::{
@@ -21,7 +21,7 @@ const POCKET: f32 = 36.0;
 const STEP_MM: f64 = 1.0;
 
 /// Shows the position. Returns a notice about a number that does not fit the pocket.
-pub(in crate::app) fn position(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Notice> {
+pub(crate) fn position(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Notice> {
     let mut notice = None;
     ui.horizontal(|ui| {
         pad(ui, scene);
@@ -44,13 +44,13 @@ fn inside(scene: &Scene, [x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Moves the centre to a place \[mm\], in tenths of a millimetre, as far as the pocket allows.
-pub(in crate::app) fn move_to(scene: &mut Scene, place: [f64; 2]) {
+pub(crate) fn move_to(scene: &mut Scene, place: [f64; 2]) {
     // Tenths of a millimetre follow the hand closely enough.
     scene.implant.center_mm = inside(scene, place.map(|v| (10.0 * v).round() / 10.0));
 }
 
 /// Where the implant is, and at the pocket's edge why the implant goes no further.
-pub(in crate::app) fn position_in_words(scene: &Scene) -> Vec<String> {
+pub(crate) fn position_in_words(scene: &Scene) -> Vec<String> {
     let [x, y] = scene.implant.center_mm;
     let room = scene.room_mm();
     let words = |mm: f64| quantity::format_at_most(cm((10.0 * mm).round() / 10.0), 1, 2);
@@ -66,7 +66,7 @@ pub(in crate::app) fn position_in_words(scene: &Scene) -> Vec<String> {
 }
 
 /// +1: the patient's side is at the right, as one looks at the patient; of a right breast −1.
-pub(in crate::app) fn hand_of(scene: &Scene) -> f64 {
+pub(crate) fn hand_of(scene: &Scene) -> f64 {
     if scene.is_right() { -1.0 } else { 1.0 }
 }
 

@@ -2,7 +2,7 @@
 //! nipple–fold distance. The base of the breast is among the measurements of the patient.
 
 use super::{Hand, chip, chips, cm, mm, patient, row};
-use crate::app::practice::{Practices, rule_in_short};
+use crate::app::answer::practice::{Practices, rule_in_short};
 use crate::app::texts::tr;
 use crate::app::widgets::quantity::Kind;
 use crate::app::widgets::{Control, remark};
@@ -14,7 +14,7 @@ use eframe::egui::{self, Ui};
 const USUAL_FOLD_MM: f64 = 90.0;
 
 /// The fold with rule and measurements; a plan that is not compared with practice has none.
-pub(in crate::app) fn practice(ui: &mut Ui, scene: &mut Scene, practices: &Practices, hand: Hand) {
+pub(crate) fn practice(ui: &mut Ui, scene: &mut Scene, practices: &Practices, hand: Hand) {
     let takes = practices.takes(scene);
     if takes.is_empty() {
         return;

@@ -25,7 +25,7 @@ pub(super) const CHOICES: [(&str, &str); 2] = [
 ];
 
 /// Is the implant anatomical? One of equal width and height is, while it is being edited.
-pub(in crate::app) fn is_anatomical(implant: &Implant) -> bool {
+pub(crate) fn is_anatomical(implant: &Implant) -> bool {
     implant.base_height_mm.is_some() || !implant.is_round()
 }
 
@@ -35,7 +35,7 @@ pub(super) fn choice(scene: &Scene) -> &'static str {
 }
 
 /// The shape of a scene's implant in a few words.
-pub(in crate::app) fn shape_in_words(scene: &Scene) -> String {
+pub(crate) fn shape_in_words(scene: &Scene) -> String {
     let implant = &scene.implant;
     if implant.is_round() {
         return tr("round").to_owned();
@@ -174,7 +174,7 @@ pub(super) fn set_height(scene: &mut Scene, choices: &Choices, height: f64) {
 }
 
 /// The control of the fullness, and the fullness; `None` for expanders, which have none.
-pub(in crate::app) fn fullness(scene: &Scene, device: Device) -> Option<(Control<'static>, f64)> {
+pub(crate) fn fullness(scene: &Scene, device: Device) -> Option<(Control<'static>, f64)> {
     let control = || Control { reset: HALF_ELLIPSOID, ..Control::of(Field::Fullness) };
     (device == Device::Implant).then(|| (control(), scene.implant.fullness()))
 }

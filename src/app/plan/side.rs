@@ -2,12 +2,12 @@
 
 use super::{Hand, chip, chips};
 use crate::app::texts::tr;
-use crate::app::theme::SPACE;
+use crate::app::widgets::theme::SPACE;
 use crate::scene::Side;
 use eframe::egui::{RichText, Ui};
 
 /// The choice of the side in a row. No side is chosen at first; the pictures are then those of a left breast.
-pub(in crate::app) fn side(ui: &mut Ui, side: &mut Option<Side>, hand: Hand) {
+pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, hand: Hand) {
     chips(ui, |ui| {
         ui.label(RichText::new(tr("Breast")).color(ui.visuals().weak_text_color()));
         ui.add_space(SPACE);

@@ -3,9 +3,9 @@
 use super::date::read_date;
 use super::field::{Field, Values};
 use super::{Hand, chip, named, side};
-use crate::app::files;
+use crate::app::frame::files;
 use crate::app::texts::tr;
-use crate::app::theme::{self, SPACE};
+use crate::app::widgets::theme::{self, SPACE};
 use crate::app::widgets::{characters_left, field_frame, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
 use crate::scene::{FillSchedule, Scene, Side, Visit};
@@ -34,13 +34,13 @@ fn is_open(ui: &Ui) -> bool {
 }
 
 /// The patient's number, if the scene states it.
-pub(in crate::app) fn patient_number(scene: &Scene) -> Option<&str> {
+pub(crate) fn patient_number(scene: &Scene) -> Option<&str> {
     let number = scene.visit.as_ref().map(|visit| visit.reference.trim());
     number.filter(|number| !number.is_empty())
 }
 
 /// What a report needs and the scene does not state, patient's number and side, in words.
-pub(in crate::app) fn missing_for_file(scene: &Scene) -> Option<&'static str> {
+pub(crate) fn missing_for_file(scene: &Scene) -> Option<&'static str> {
     match (patient_number(scene).is_some(), scene.side) {
         (false, None) => Some(tr("No patient number and no side in it")),
         (false, Some(_)) => Some(tr("No patient number in it")),
@@ -80,7 +80,7 @@ pub(super) fn visit(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Id> {
 }
 
 /// Replaces the visit; an equal one leaves the scene as it is.
-pub(in crate::app) fn set_visit(scene: &mut Scene, now: Visit) {
+pub(crate) fn set_visit(scene: &mut Scene, now: Visit) {
     if now == scene.visit.clone().unwrap_or_default() {
         return;
     }
@@ -88,7 +88,7 @@ pub(in crate::app) fn set_visit(scene: &mut Scene, now: Visit) {
 }
 
 /// Sets the schedule of the fills; that of the defaults is not stated.
-pub(in crate::app) fn set_fill_steps(scene: &mut Scene, steps: FillSchedule) {
+pub(crate) fn set_fill_steps(scene: &mut Scene, steps: FillSchedule) {
     let mut now = scene.visit.clone().unwrap_or_default();
     now.fill_steps = (steps != FillSchedule::default()).then_some(steps);
     set_visit(scene, now);
@@ -171,14 +171,14 @@ fn date_or_none(text: &str) -> Option<String> {
 }
 
 /// Reference and side in words; empty if none is stated.
-pub(in crate::app) fn patient_in_words(scene: &Scene) -> String {
+pub(crate) fn patient_in_words(scene: &Scene) -> String {
     let reference = patient_number(scene).unwrap_or_default();
     let side = scene.side.map_or("", |side| tr(side.words()));
     joined([reference, side].map(str::to_owned))
 }
 
 /// The visit in one line, and the remarks; empty if nothing is stated.
-pub(in crate::app) fn visit_in_words(scene: &Scene) -> [String; 2] {
+pub(crate) fn visit_in_words(scene: &Scene) -> [String; 2] {
     let visit = scene.visit.clone().unwrap_or_default();
     let named = |name: &str, text: &str| {
         if text.is_empty() { String::new() } else { format!("{name} {text}") }
@@ -195,7 +195,7 @@ fn joined<const N: usize>(parts: [String; N]) -> String {
 }
 
 /// The entries of a report: patient's number, side and remarks, at the size of a finger or of a mouse. Returns the field of the number.
-pub(in crate::app) fn entries_of_report(
+pub(crate) fn entries_of_report(
     ui: &mut Ui,
     visit: &mut Visit,
     side: &mut Option<Side>,

@@ -8,10 +8,10 @@ use super::pins::Pins;
 use super::plane::{Plane, nearest};
 use super::readout;
 use super::shelf::Sizes;
-use crate::app::device::Device;
+use crate::app::picture::viewport::pointer_box;
+use crate::app::plan::device::Device;
 use crate::app::texts::tr;
-use crate::app::theme;
-use crate::app::viewport::pointer_box;
+use crate::app::widgets::theme;
 use crate::app::widgets::{arrow_keys, set_accessible_name};
 use crate::study::{JudgedMap, Map, Quantity, Study};
 use eframe::egui::{

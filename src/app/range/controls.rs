@@ -2,12 +2,12 @@
 
 use super::axes::{self, Words};
 use super::{FINENESS, Range, readout};
-use crate::app::commands::PICTURE;
+use crate::app::frame::commands::PICTURE;
+use crate::app::frame::research;
+use crate::app::frame::toolbar::Layout;
 use crate::app::plan::{Hand, chip};
-use crate::app::research;
 use crate::app::texts::tr;
-use crate::app::theme;
-use crate::app::toolbar::Layout;
+use crate::app::widgets::theme;
 use crate::app::widgets::{NumberField, button_if, choice, set_accessible_name};
 use crate::scene::Scene;
 use crate::study::{Parameter, Quantity};

@@ -11,16 +11,16 @@ const HOW: &str = "The chart of the range is not in this report. Open the page R
                    the report again.";
 
 /// The chart of a plan.
-pub(in crate::app) struct ReportChart<'a> {
+pub(crate) struct ReportChart<'a> {
     range: &'a Range,
     /// Of its own: textures belong to the context of the picture.
     chart: Chart,
     /// The quantity of the colours, as a title.
-    pub(in crate::app) title: String,
+    pub(crate) title: String,
     /// The lines below the chart.
-    pub(in crate::app) caption: String,
+    pub(crate) caption: String,
     /// Grid and accuracy of its points.
-    pub(in crate::app) accuracy: String,
+    pub(crate) accuracy: String,
 }
 
 impl Range {
@@ -28,7 +28,7 @@ impl Range {
     ///
     /// # Errors
     /// Returns how to get the chart, if the map is that of another plan, does not contain the plan, or is being solved.
-    pub(in crate::app) fn for_report(
+    pub(crate) fn for_report(
         &mut self,
         session: &Session,
     ) -> Result<ReportChart<'_>, &'static str> {
@@ -64,7 +64,7 @@ impl Range {
 
 impl ReportChart<'_> {
     /// Shows the chart in the remaining space.
-    pub(in crate::app) fn show(&mut self, ui: &mut Ui) {
+    pub(crate) fn show(&mut self, ui: &mut Ui) {
         let Range { pins, sizes, quantity, revision, practice, .. } = self.range;
         if let Some(map) = self.range.judged() {
             let map = (map, practice.is_pending());
@@ -76,10 +76,10 @@ impl ReportChart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::practice::Practices;
+    use crate::app::answer::practice::Practices;
+    use crate::app::frame::studies::Studies;
     use crate::app::range::AxisChoice;
-    use crate::app::studies::Studies;
-    use crate::app::theme;
+    use crate::app::widgets::theme;
     use crate::scene::Scene;
     use crate::session::Command;
     use crate::solve::Progress;

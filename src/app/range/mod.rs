@@ -17,14 +17,15 @@ mod plane;
 mod practice;
 mod readout;
 mod shelf;
+pub(crate) mod shelf_largest;
 mod shelf_preview;
 
 pub(super) use page::within_text;
 pub(super) use plane::marks;
 pub(super) use shelf::{Sizes, take_size, width_in_words, with_size};
 
-use super::practice::Practices;
-use super::studies::{Driver, Studies};
+use crate::app::answer::practice::Practices;
+use crate::app::frame::studies::{Driver, Studies};
 use crate::app::texts::tr;
 use crate::scene::{Field, Implant, Scene};
 use crate::study::{Axis, JudgedMap, Map, MapCheck, MapSettings, Parameter, Quantity};

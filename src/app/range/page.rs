@@ -3,16 +3,16 @@
 use super::chart::Taken;
 use super::shelf::take_size;
 use super::{Range, readout};
-use crate::app::action::{Action, Task};
-use crate::app::commands::entry_of;
-use crate::app::files::name_with_size;
-use crate::app::messages::Notice;
+use crate::app::frame::action::{Action, Task};
+use crate::app::frame::commands::entry_of;
+use crate::app::frame::files::name_with_size;
+use crate::app::frame::messages::Notice;
+use crate::app::frame::research;
+use crate::app::frame::shared::Shared;
+use crate::app::frame::toolbar::Layout;
 use crate::app::plan::{Hand, chip};
-use crate::app::research;
-use crate::app::shared::Shared;
 use crate::app::texts::{fixed, tr};
-use crate::app::theme;
-use crate::app::toolbar::Layout;
+use crate::app::widgets::theme;
 use crate::app::widgets::{rejection_label, remark};
 use crate::scene::Scene;
 use crate::study::{CHECK, JudgedMap, Map, Parameter, PointStatus, Quantity, with_values};
@@ -138,7 +138,7 @@ fn missing(map: &Map) -> [usize; 2] {
 }
 
 /// A difference with one significant digit, rounded up, in the displayed unit.
-pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String {
+pub(crate) fn within_text(quantity: Quantity, difference: f64) -> String {
     let (factor, unit) = quantity.display();
     let shown = (factor * difference).max(1e-3);
     let power = 10f64.powf(shown.log10().floor());
@@ -150,12 +150,7 @@ pub(in crate::app) fn within_text(quantity: Quantity, difference: f64) -> String
 
 impl Range {
     /// The switch between picture and range, above the middle of a wide screen.
-    pub(in crate::app) fn switch(
-        &mut self,
-        ui: &mut Ui,
-        shared: &Shared,
-        actions: &mut Vec<Action>,
-    ) {
+    pub(crate) fn switch(&mut self, ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
         let device = shared.choices.device;
         let frame = egui::Frame::new()
             .inner_margin(egui::Margin::symmetric(theme::SPACE as i8, theme::SPACE_SMALL as i8))
@@ -221,7 +216,7 @@ impl Range {
     }
 
     /// The chart with its controls, in place of the picture.
-    pub(in crate::app) fn page(
+    pub(crate) fn page(
         &mut self,
         ui: &mut Ui,
         scene: &mut Scene,

@@ -4,8 +4,8 @@ use super::axes::Words;
 use super::colours::Scale;
 use super::plane::{Plane, marks};
 use crate::app::texts::tr;
-use crate::app::theme::{self, SPACE};
 use crate::app::widgets::quantity::format_at_most;
+use crate::app::widgets::theme::{self, SPACE};
 use crate::study::{Axis, JudgedMap, Map, Quantity};
 use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle,

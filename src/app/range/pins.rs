@@ -3,8 +3,8 @@
 use super::axes::Words;
 use super::plane::Plane;
 use crate::app::texts::tr;
-use crate::app::theme;
 use crate::app::widgets::set_accessible_name;
+use crate::app::widgets::theme;
 use crate::session::Session;
 use crate::study::Map;
 use eframe::egui::{self, Align2, Pos2, Rect, Sense, Stroke, TextStyle, Ui, Vec2};

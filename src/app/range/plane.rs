@@ -42,7 +42,7 @@ pub(super) fn nearest(value: f64, (from, to): (f64, f64), count: usize) -> usize
 }
 
 /// Round numbers within a range, at most `most`: 1, 2 or 5 times a power of ten apart.
-pub(in crate::app) fn marks((from, to): (f64, f64), most: usize) -> Vec<f64> {
+pub(crate) fn marks((from, to): (f64, f64), most: usize) -> Vec<f64> {
     let (least, greatest) = (from.min(to), from.max(to));
     let coarse = (greatest - least) / most.max(1) as f64;
     if !(coarse.is_finite() && coarse > 0.0) {

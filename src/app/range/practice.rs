@@ -1,6 +1,6 @@
 //! What the strains of the chart are compared with: practice of the plan and of each value of the axis along which practice varies.
 
-use crate::app::practice::{Against, Practices};
+use crate::app::answer::practice::{Against, Practices};
 use crate::scene::Scene;
 use crate::study::{Map, MapPractice, has_same_practice};
 

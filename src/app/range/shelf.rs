@@ -4,8 +4,8 @@ use super::axes::Words;
 use super::plane::Plane;
 use super::shelf_preview::{Decision, Preview};
 use super::{Range, readout};
-use crate::app::action::{Action, Task};
-use crate::app::messages::Notice;
+use crate::app::frame::action::{Action, Task};
+use crate::app::frame::messages::Notice;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Draft, Shelf, ShelfSize};
@@ -24,10 +24,10 @@ const PASTED_HEIGHT: f32 = 70.0;
 
 /// The shelf and its dots for the present map.
 #[derive(Default)]
-pub(in crate::app) struct Sizes {
-    pub(in crate::app) shelf: Shelf,
+pub(crate) struct Sizes {
+    pub(crate) shelf: Shelf,
     /// Number of changes of the shelf.
-    pub(in crate::app) revision: u64,
+    pub(crate) revision: u64,
     /// The start of the map and the revision of the shelf to which the dots belong.
     key: Option<(u64, u64)>,
     dots: Vec<Dot>,
@@ -48,7 +48,7 @@ struct Dot {
 
 impl Sizes {
     /// Replaces the shelf.
-    pub(in crate::app) fn set(&mut self, shelf: Shelf) {
+    pub(crate) fn set(&mut self, shelf: Shelf) {
         self.shelf = shelf;
         self.revision += 1;
     }
@@ -136,7 +136,7 @@ fn words(size: &ShelfSize) -> String {
 }
 
 /// The scene with a size of the shelf: the listed numbers with the maker's name. The pocket keeps its margin.
-pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
+pub(crate) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
     let dome = size.size();
     let mut scene = scene.clone();
     scene.implant.make_round();
@@ -157,7 +157,7 @@ pub(in crate::app) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene
 }
 
 /// Takes a size of the shelf: one step of the history, as an edit of the plan.
-pub(in crate::app) fn take_size(size: &ShelfSize, scene: &mut Scene, actions: &mut Vec<Action>) {
+pub(crate) fn take_size(size: &ShelfSize, scene: &mut Scene, actions: &mut Vec<Action>) {
     match with_size(scene, size) {
         Ok(taken) => *scene = taken,
         Err(reason) => {
@@ -168,7 +168,7 @@ pub(in crate::app) fn take_size(size: &ShelfSize, scene: &mut Scene, actions: &m
 }
 
 /// A base width as the chart and the list have it, as "12 cm".
-pub(in crate::app) fn width_in_words(width_mm: f64) -> String {
+pub(crate) fn width_in_words(width_mm: f64) -> String {
     Words::of(Parameter::BaseWidth).text(width_mm)
 }
 
@@ -272,7 +272,7 @@ impl Range {
     }
 
     /// Opens the preview of a table. Returns why there is none; the shelf stays as it is.
-    pub(in crate::app) fn read_shelf(&mut self, name: &str, text: &str) -> Option<Notice> {
+    pub(crate) fn read_shelf(&mut self, name: &str, text: &str) -> Option<Notice> {
         match Draft::of(text) {
             Ok(draft) => {
                 self.sizes.preview = Some(Preview::new(name, draft));
@@ -287,12 +287,12 @@ impl Range {
     }
 
     /// Is a table being looked at?
-    pub(in crate::app) fn has_preview(&self) -> bool {
+    pub(crate) fn has_preview(&self) -> bool {
         self.sizes.preview.is_some()
     }
 
     /// Shows the preview of a table; once the table is taken, opens the page with the list and returns a notice.
-    pub(in crate::app) fn shelf_preview(&mut self, ctx: &egui::Context) -> Option<Notice> {
+    pub(crate) fn shelf_preview(&mut self, ctx: &egui::Context) -> Option<Notice> {
         let preview = self.sizes.preview.as_mut()?;
         let decision = preview.show(ctx)?;
         let Preview { name, .. } = self.sizes.preview.take()?;

@@ -1,7 +1,7 @@
 //! A table of sizes before it is taken: what its columns are read as, and which rows are left out.
 
 use crate::app::texts::{shown, tr};
-use crate::app::theme;
+use crate::app::widgets::theme;
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Column, Draft, LengthUnit, Reading, Shelf, ShelfSize, UnitOrigin};
 use eframe::egui::{self, RichText, Ui};

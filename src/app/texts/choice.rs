@@ -7,7 +7,7 @@ impl Language {
     const ALL: [Self; 2] = [Self::English, Self::Spanish];
 
     /// The subtag of the language (BCP 47).
-    pub(in crate::app) fn subtag(self) -> &'static str {
+    pub(crate) fn subtag(self) -> &'static str {
         match self {
             Self::English => "en",
             Self::Spanish => "es",
@@ -15,7 +15,7 @@ impl Language {
     }
 
     /// The other language.
-    pub(in crate::app) fn other(self) -> Self {
+    pub(crate) fn other(self) -> Self {
         match self {
             Self::English => Self::Spanish,
             Self::Spanish => Self::English,
@@ -23,7 +23,7 @@ impl Language {
     }
 
     /// The language's own name.
-    pub(in crate::app) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::English => "English",
             Self::Spanish => "Español",
@@ -31,7 +31,7 @@ impl Language {
     }
 
     /// The language of a locale, as "es-ES" or "es_MX.UTF-8"; `None` for another one.
-    pub(in crate::app) fn of(locale: &str) -> Option<Self> {
+    pub(crate) fn of(locale: &str) -> Option<Self> {
         let subtag = locale.split(['-', '_', '.']).next()?;
         Self::ALL.into_iter().find(|language| language.subtag().eq_ignore_ascii_case(subtag))
     }

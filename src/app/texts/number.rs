@@ -4,12 +4,12 @@
 use super::{Language, language};
 
 /// A value with a number of decimals, in the present language.
-pub(in crate::app) fn fixed(value: f64, decimals: usize) -> String {
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     localized(format!("{value:.decimals$}"))
 }
 
 /// Finished numbers with a decimal point, as "7.2" or "4.5–6.1", in the present language.
-pub(in crate::app) fn localized(numbers: impl Into<String>) -> String {
+pub(crate) fn localized(numbers: impl Into<String>) -> String {
     in_language(numbers.into(), language())
 }
 

@@ -1,7 +1,7 @@
 //! The table and the code agree: every text of the code has a row, every row is a text of the code.
 
 use super::*;
-use crate::app::commands::COMMANDS;
+use crate::app::frame::commands::COMMANDS;
 use crate::clinical::{BUILT_IN_SOURCE, Corrected, SkinClass};
 use crate::measure::bands::{self, PracticeStretch};
 use crate::measure::no_shape;

@@ -4,9 +4,9 @@ use super::number_field::NumberField;
 use super::quantity::{self, Kind};
 use super::rail::Rail;
 use super::set_accessible_name;
-use crate::app::device::Device;
+use super::theme;
+use crate::app::plan::device::Device;
 use crate::app::texts::tr;
-use crate::app::theme;
 use crate::scene::Field;
 use crate::scene::field::Scale;
 use eframe::egui::{self, Response, RichText, Sense, Ui, vec2};
@@ -18,29 +18,29 @@ const FIELD_WIDTH: f32 = 52.0;
 const UNIT_WIDTH: f32 = 20.0;
 
 /// A slider with label, unit, number field, tooltip, and reset by double-click.
-pub(in crate::app) struct Control<'a> {
-    pub(in crate::app) label: &'a str,
+pub(crate) struct Control<'a> {
+    pub(crate) label: &'a str,
     /// Unit after the label.
-    pub(in crate::app) unit: &'a str,
+    pub(crate) unit: &'a str,
     /// Kind of the number, which determines the accepted units.
-    pub(in crate::app) kind: Kind,
+    pub(crate) kind: Kind,
     /// Range of the rail.
-    pub(in crate::app) range: RangeInclusive<f64>,
+    pub(crate) range: RangeInclusive<f64>,
     /// Allowed values; `None`: the range of the rail.
-    pub(in crate::app) allowed: Option<RangeInclusive<f64>>,
+    pub(crate) allowed: Option<RangeInclusive<f64>>,
     /// Reason of the limit, shown for a value outside of it; empty: the message contains the limit.
-    pub(in crate::app) limit_reason: String,
-    pub(in crate::app) reset: f64,
+    pub(crate) limit_reason: String,
+    pub(crate) reset: f64,
     /// Minimum number of decimals shown.
-    pub(in crate::app) decimals: usize,
+    pub(crate) decimals: usize,
     /// Maximum number of decimals shown; a derived value needs no more.
-    pub(in crate::app) most_decimals: usize,
+    pub(crate) most_decimals: usize,
     /// Rounding step of dragging and keys; 0: three significant digits.
-    pub(in crate::app) step: f64,
-    pub(in crate::app) logarithmic: bool,
+    pub(crate) step: f64,
+    pub(crate) logarithmic: bool,
     /// Values above which the rail is marked as high, as more than high, and as without an answer.
-    pub(in crate::app) marks: [Option<f64>; 3],
-    pub(in crate::app) tooltip: &'a str,
+    pub(crate) marks: [Option<f64>; 3],
+    pub(crate) tooltip: &'a str,
 }
 
 impl Default for Control<'_> {
@@ -65,7 +65,7 @@ impl Default for Control<'_> {
 
 impl Control<'_> {
     /// The control of a number of the scene, within the limits of every scene.
-    pub(in crate::app) fn of(field: Field) -> Self {
+    pub(crate) fn of(field: Field) -> Self {
         let (Scale { unit, factor, step, decimals }, (least, most)) = (field.scale, field.limits);
         let shown = |value: f64| quantity::significant(factor * value);
         Self {
@@ -81,23 +81,23 @@ impl Control<'_> {
     }
 
     /// The control with a rail over other values than the allowed ones.
-    pub(in crate::app) fn with_rail(self, range: RangeInclusive<f64>) -> Self {
+    pub(crate) fn with_rail(self, range: RangeInclusive<f64>) -> Self {
         Self { allowed: Some(self.range), range, ..self }
     }
 }
 
 /// Response of a control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::app) struct ControlResponse {
+pub(crate) struct ControlResponse {
     /// Has the value changed?
-    pub(in crate::app) is_changed: bool,
+    pub(crate) is_changed: bool,
     /// A value outside the allowed range, requested in this frame.
-    pub(in crate::app) out_of_range: Option<f64>,
+    pub(crate) out_of_range: Option<f64>,
 }
 
 impl Control<'_> {
     /// Shows the control; the label stands above the rail.
-    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> ControlResponse {
+    pub(crate) fn show(self, ui: &mut Ui, value: &mut f64) -> ControlResponse {
         let label = self.label(ui, &self.name());
         let rail = |ui: &Ui| (ui.available_width() - FIELD_WIDTH - 26.0).max(60.0);
         self.line(ui, value, label, |ui, line, value| {
@@ -108,7 +108,7 @@ impl Control<'_> {
 
     /// Shows the control in one row: label, rail, number field, unit, and what `trailing` adds in the given width
     /// \[points\].
-    pub(in crate::app) fn row(
+    pub(crate) fn row(
         self,
         ui: &mut Ui,
         value: &mut f64,
@@ -130,7 +130,7 @@ impl Control<'_> {
     }
 
     /// Shows the control in one row for fingers: label, minus, number field, plus, unit, and what `trailing` adds.
-    pub(in crate::app) fn stepper(
+    pub(crate) fn stepper(
         self,
         ui: &mut Ui,
         value: &mut f64,
@@ -146,12 +146,7 @@ impl Control<'_> {
     }
 
     /// Shows label and number field without a rail, with buttons for fingers.
-    pub(in crate::app) fn number(
-        self,
-        ui: &mut Ui,
-        value: &mut f64,
-        is_finger: bool,
-    ) -> ControlResponse {
+    pub(crate) fn number(self, ui: &mut Ui, value: &mut f64, is_finger: bool) -> ControlResponse {
         let label = self.label(ui, self.label);
         self.line(ui, value, label, |ui, line, value| {
             if is_finger {
@@ -206,7 +201,7 @@ impl Control<'_> {
     }
 
     /// The allowed values.
-    pub(in crate::app) fn allowed(&self) -> RangeInclusive<f64> {
+    pub(crate) fn allowed(&self) -> RangeInclusive<f64> {
         self.allowed.clone().unwrap_or_else(|| self.range.clone())
     }
 
@@ -214,12 +209,12 @@ impl Control<'_> {
     ///
     /// # Errors
     /// Returns one line with what is wrong and what is allowed.
-    pub(in crate::app) fn parse(&self, text: &str) -> Result<f64, String> {
+    pub(crate) fn parse(&self, text: &str) -> Result<f64, String> {
         quantity::parse_within(text, self.kind, &self.allowed(), &self.limit_reason)
     }
 
     /// A value as the number field shows it.
-    pub(in crate::app) fn shown(&self, value: f64) -> String {
+    pub(crate) fn shown(&self, value: f64) -> String {
         quantity::format_at_most(value, self.decimals, self.most_decimals)
     }
 
@@ -343,7 +338,7 @@ impl<'c, 'a> Line<'c, 'a> {
 }
 
 /// Shows why an entry was rejected.
-pub(in crate::app) fn rejection_label(ui: &mut Ui, reason: &str) {
+pub(crate) fn rejection_label(ui: &mut Ui, reason: &str) {
     let color = theme::palette(ui.visuals()).bad;
     let words = RichText::new(tr!("Not accepted: {reason}", reason)).color(color);
     let response = ui.add(egui::Label::new(words).wrap());

@@ -6,16 +6,17 @@ mod control;
 mod number_field;
 pub(super) mod quantity;
 mod rail;
+pub(crate) mod theme;
 
 pub(super) use control::{Control, ControlResponse, rejection_label};
 pub(super) use number_field::NumberField;
 pub(super) use quantity::Kind;
 
-use super::texts::tr;
-use super::theme::{self, SPACE, SPACE_SMALL};
+use crate::app::texts::tr;
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
 use egui::accesskit::{Action, ActionData};
 use std::ops::RangeInclusive;
+use theme::{SPACE, SPACE_SMALL};
 
 /// A collapsible group with a title.
 pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {

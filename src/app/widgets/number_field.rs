@@ -1,33 +1,33 @@
 //! A field for one number: the typed number is stored exactly, or rejected with a reason.
 
 use super::quantity::{self, Kind};
+use super::theme;
 use super::{STEP_KEYS, arrow_keys, describe_range, field_frame, key_steps, set_value_requests};
 use crate::app::texts::localized;
-use crate::app::theme;
 use eframe::egui::{self, Id, Key, Response, Ui};
 use egui::accesskit::ActionData;
 use egui::text::CCursorRange;
 use std::ops::RangeInclusive;
 
 /// A field for a number that is typed, or stepped by the arrow keys.
-pub(in crate::app) struct NumberField<'a> {
+pub(crate) struct NumberField<'a> {
     /// Name for screen readers and tests.
-    pub(in crate::app) name: &'a str,
-    pub(in crate::app) kind: Kind,
+    pub(crate) name: &'a str,
+    pub(crate) kind: Kind,
     /// Allowed values.
-    pub(in crate::app) allowed: RangeInclusive<f64>,
+    pub(crate) allowed: RangeInclusive<f64>,
     /// Reason of the limits; empty: the message contains the limit.
-    pub(in crate::app) limit_reason: &'a str,
+    pub(crate) limit_reason: &'a str,
     /// Minimum number of decimals shown.
-    pub(in crate::app) decimals: usize,
+    pub(crate) decimals: usize,
     /// Maximum number of decimals shown.
-    pub(in crate::app) most_decimals: usize,
+    pub(crate) most_decimals: usize,
     /// Step of the arrow keys.
-    pub(in crate::app) step: f64,
+    pub(crate) step: f64,
     /// Width \[points\].
-    pub(in crate::app) width: f32,
+    pub(crate) width: f32,
     /// Is the stored value invalid in its context?
-    pub(in crate::app) is_invalid: bool,
+    pub(crate) is_invalid: bool,
 }
 
 impl Default for NumberField<'_> {
@@ -47,14 +47,14 @@ impl Default for NumberField<'_> {
 }
 
 /// Response of a number field.
-pub(in crate::app) struct FieldResponse {
-    pub(in crate::app) response: Response,
+pub(crate) struct FieldResponse {
+    pub(crate) response: Response,
     /// Has the value changed?
-    pub(in crate::app) is_changed: bool,
+    pub(crate) is_changed: bool,
     /// Reason why the text of the field was rejected.
-    pub(in crate::app) rejection: Option<String>,
+    pub(crate) rejection: Option<String>,
     /// A number outside the allowed range, typed in this frame.
-    pub(in crate::app) out_of_range: Option<f64>,
+    pub(crate) out_of_range: Option<f64>,
 }
 
 /// Text being edited, or rejected.
@@ -72,7 +72,7 @@ pub(super) fn focus_key() -> Id {
 }
 
 impl NumberField<'_> {
-    pub(in crate::app) fn show(self, ui: &mut Ui, value: &mut f64) -> FieldResponse {
+    pub(crate) fn show(self, ui: &mut Ui, value: &mut f64) -> FieldResponse {
         let id = ui.make_persistent_id((self.name, "number"));
         let before = *value;
         let kept = ui.data(|data| data.get_temp::<Edit>(id));

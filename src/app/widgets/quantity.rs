@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 /// Kind of a number, which determines the accepted units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::app) enum Kind {
+pub(crate) enum Kind {
     /// Length \[mm\].
     Length,
     /// Length \[cm\].
@@ -69,7 +69,7 @@ impl Kind {
     }
 
     /// The kind of the numbers in a unit of the table of a scene's numbers.
-    pub(in crate::app) fn of_unit(unit: &str) -> Self {
+    pub(crate) fn of_unit(unit: &str) -> Self {
         match unit {
             "mm" => Self::Length,
             "cm" => Self::Centimetres,
@@ -81,7 +81,7 @@ impl Kind {
     }
 
     /// Unit of the stored number.
-    pub(in crate::app) fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         self.units()[0].0
     }
 }
@@ -91,7 +91,7 @@ impl Kind {
 ///
 /// # Errors
 /// Returns one line with the reason and the accepted units.
-pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
+pub(crate) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
     let text = text.trim();
     if text.is_empty() {
         return Err(tr("enter a number").to_owned());
@@ -133,7 +133,7 @@ pub(in crate::app) fn parse(text: &str, kind: Kind) -> Result<f64, String> {
 ///
 /// # Errors
 /// Returns one line: the error of [`parse`], or the reason of the limits, or, without a reason, the limit.
-pub(in crate::app) fn parse_within(
+pub(crate) fn parse_within(
     text: &str,
     kind: Kind,
     allowed: &RangeInclusive<f64>,
@@ -175,7 +175,7 @@ fn number(text: &str) -> Option<f64> {
 }
 
 /// Rounds to twelve significant digits: 4.64 cm are 46.4 mm, not 46.400000000000006.
-pub(in crate::app) fn significant(value: f64) -> f64 {
+pub(crate) fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
@@ -197,7 +197,7 @@ pub(super) fn stepped(value: f64, step: f64, steps: f64) -> f64 {
 
 /// Formats a value with at least the given decimals and, up to six, all further digits that it has, with the decimal sign of
 /// the language.
-pub(in crate::app) fn format(value: f64, decimals: usize) -> String {
+pub(crate) fn format(value: f64, decimals: usize) -> String {
     localized(digits(value, decimals))
 }
 
@@ -213,7 +213,7 @@ fn digits(value: f64, decimals: usize) -> String {
 }
 
 /// Formats a value like [`format`] with at most the given number of decimals.
-pub(in crate::app) fn format_at_most(value: f64, decimals: usize, most: usize) -> String {
+pub(crate) fn format_at_most(value: f64, decimals: usize, most: usize) -> String {
     let exact = digits(value, decimals);
     let count = exact.split_once('.').map_or(0, |(_, digits)| digits.len());
     let is_short = count <= most;
@@ -221,7 +221,7 @@ pub(in crate::app) fn format_at_most(value: f64, decimals: usize, most: usize) -
 }
 
 /// Removes the minus sign of a number that is rounded to zero.
-pub(in crate::app) fn without_negative_zero(text: String) -> String {
+pub(crate) fn without_negative_zero(text: String) -> String {
     if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
 }
 

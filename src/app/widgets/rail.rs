@@ -1,11 +1,11 @@
 //! The rail of a slider. A mouse moves the handle from anywhere on the rail. A finger moves it from the
 //! handle, or after dragging along the rail; a swipe across the rail scrolls the panel.
 
+use super::theme;
 use super::{
     STEP_KEYS, arrow_keys, describe_range, is_press_cancelled, keep_press, key_steps, quantity,
     set_value_requests,
 };
-use crate::app::theme;
 use eframe::egui::{
     self, Key, Modifiers, Pos2, Rect, Response, Sense, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
 };

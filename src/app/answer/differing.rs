@@ -1,0 +1,168 @@
+//! What differs between the plan and its pins beside the size: name and shape of the implant, skin, pinch, thickness, chest, pocket. The table of the comparison, the
+//! report and the captions of the pictures side by side contain only what differs.
+//!
+//! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
+
+use crate::app::plan::{chest_in_words, shape_in_words};
+use crate::app::texts::{fixed, tr};
+use crate::app::widgets::quantity::format_at_most;
+use crate::scene::Scene;
+use crate::session::{Pin, Session};
+
+/// A value of a patient or a pocket.
+struct Given {
+    name: &'static str,
+    /// Unit behind the name in a table and behind the value in a sentence; empty for words.
+    unit: &'static str,
+    /// Value of a scene; a dash without one.
+    value: fn(&Scene) -> String,
+    /// Does the caption of a picture contain the value? A pinch determines the thickness.
+    is_in_captions: bool,
+}
+
+const GIVEN: [Given; 8] = [
+    Given { name: "Implant", unit: "", value: reference, is_in_captions: false },
+    Given { name: "Shape", unit: "", value: shape_in_words, is_in_captions: false },
+    Given { name: "Skin", unit: "", value: skin, is_in_captions: true },
+    Given { name: "Pinch", unit: "cm", value: pinch, is_in_captions: true },
+    Given { name: "Skin and fat at rest", unit: "mm", value: thickness, is_in_captions: false },
+    Given { name: "Thickness of the skin", unit: "mm", value: of_skin, is_in_captions: false },
+    Given { name: "Chest", unit: "", value: chest_in_words, is_in_captions: true },
+    Given { name: "Margin of the pocket", unit: "cm", value: margin, is_in_captions: true },
+];
+
+/// The maker's name of the implant.
+fn reference(scene: &Scene) -> String {
+    let reference = &scene.implant_reference;
+    if reference.is_empty() { "–".to_owned() } else { reference.clone() }
+}
+
+fn skin(scene: &Scene) -> String {
+    let measured = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+    let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
+    match (measured.skin_class, measured.skin_pull_mm) {
+        (Some(class), _) if (scale - class.strain_scale()).abs() < 1e-6 => {
+            tr(class.word()).to_owned()
+        }
+        (None, Some(pull)) => tr!("pull {pull} cm", pull = format_at_most(0.1 * pull, 1, 2)),
+        // Set by hand: the factor of the preset's strains.
+        _ => format!("× {}", fixed(scale, 2)),
+    }
+}
+
+fn pinch(scene: &Scene) -> String {
+    let pinch = scene.patient.as_ref().and_then(|patient| patient.measured.pinch_mm);
+    pinch.map_or_else(|| "–".to_owned(), |mm| format_at_most(0.1 * mm, 1, 2))
+}
+
+fn thickness(scene: &Scene) -> String {
+    let sum: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+    fixed(sum, 1)
+}
+
+fn of_skin(scene: &Scene) -> String {
+    scene.layers.first().map_or_else(|| "–".to_owned(), |skin| fixed(skin.thickness_mm, 1))
+}
+
+fn margin(scene: &Scene) -> String {
+    format_at_most(0.1 * (scene.pocket_radius_mm - scene.implant.greatest_half_axis_mm()), 1, 2)
+}
+
+/// The values that differ between the plan and its pins.
+fn differing(session: &Session) -> impl Iterator<Item = &'static Given> {
+    let differs = move |given: &&Given| {
+        let own = (given.value)(session.scene());
+        session.pins().iter().any(|pin| (given.value)(pin.scene()) != own)
+    };
+    GIVEN.iter().filter(differs)
+}
+
+/// The values that differ, a row each: the name with the unit, then the plan's value and those of the pins.
+pub(crate) fn rows(session: &Session) -> Vec<(String, Vec<String>)> {
+    let row = |given: &Given| {
+        let name = match given.unit {
+            "" => tr(given.name).to_owned(),
+            unit => format!("{}, {unit}", tr(given.name)),
+        };
+        let scenes = [session.scene()].into_iter().chain(session.pins().iter().map(Pin::scene));
+        (name, scenes.map(given.value).collect())
+    };
+    differing(session).map(row).collect()
+}
+
+/// The values that differ, as words about a scene of the session: "Skin tight, pinch 2.5 cm"; empty if none differs.
+pub(crate) fn in_words(session: &Session) -> impl Fn(&Scene) -> String {
+    let given: Vec<&Given> = differing(session).filter(|given| given.is_in_captions).collect();
+    move |scene| {
+        let words = given.iter().enumerate().map(|(k, given)| {
+            let name = tr(given.name);
+            let name = if k == 0 { name.to_owned() } else { name.to_lowercase() };
+            format!("{name} {} {}", (given.value)(scene), given.unit).trim_end().to_owned()
+        });
+        words.collect::<Vec<_>>().join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clinical::{Measurements, SkinClass};
+    use crate::session::Command;
+
+    #[test]
+    fn only_what_differs_between_plan_and_pins_has_a_row_and_words() {
+        let mut scene = Scene::opening();
+        let tight = Measurements {
+            pinch_mm: Some(20.0),
+            skin_class: Some(SkinClass::Tight),
+            ..Measurements::default()
+        };
+        scene.apply_patient(tight).unwrap();
+        let mut session = Session::new(scene.clone()).unwrap();
+        session.apply(Command::Pin).unwrap();
+        assert!(rows(&session).is_empty());
+        // A size of the shelf has its name.
+        scene.implant_reference = "RD-275 · 275 cc".to_owned();
+        let named = Command::Edit { scene: Box::new(scene.clone()), gesture: 2 };
+        session.apply(named).unwrap();
+        let names = ["RD-275 · 275 cc", "–"].map(str::to_owned).to_vec();
+        assert_eq!(rows(&session), [("Implant".to_owned(), names)]);
+        session.apply(Command::Undo).unwrap();
+        scene.implant_reference.clear();
+        // Another size is in the rows of the table.
+        scene.implant.projection_mm = 52.0;
+        let edit = |scene: &Scene| Command::Edit { scene: Box::new(scene.clone()), gesture: 1 };
+        session.apply(edit(&scene)).unwrap();
+        assert!(rows(&session).is_empty());
+        assert_eq!(in_words(&session)(session.scene()), "");
+        let lax = Measurements { skin_class: Some(SkinClass::Lax), ..tight };
+        scene.apply_patient(lax).unwrap();
+        scene.pocket_radius_mm += 5.0;
+        session.apply(edit(&scene)).unwrap();
+        let own =
+            format_at_most(0.1 * (scene.pocket_radius_mm - scene.implant.base_radius_mm), 1, 2);
+        let pinned = margin(session.pins()[0].scene());
+        let row =
+            |name: &str, values: [&str; 2]| (name.to_owned(), values.map(str::to_owned).to_vec());
+        assert_eq!(
+            rows(&session),
+            [row("Skin", ["lax", "tight"]), row("Margin of the pocket, cm", [&own, &pinned])]
+        );
+        let words = in_words(&session)(session.pins()[0].scene());
+        assert_eq!(words, format!("Skin tight, margin of the pocket {pinned} cm"));
+        // An anatomical implant has its height beside its width in the captions.
+        scene.implant.base_height_mm = Some(108.0);
+        session.apply(edit(&scene)).unwrap();
+        let shapes = ["anatomical, 10.8 cm high", "round"];
+        assert_eq!(rows(&session)[0], row("Shape", shapes));
+        scene.implant.base_height_mm = None;
+        // A pinch has its thicknesses.
+        scene.apply_patient(Measurements { pinch_mm: Some(30.0), ..tight }).unwrap();
+        scene.pocket_radius_mm -= 5.0;
+        session.apply(edit(&scene)).unwrap();
+        let names: Vec<String> = rows(&session).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names[0], "Pinch, cm");
+        assert!(names.contains(&"Skin and fat at rest, mm".to_owned()), "{names:?}");
+        assert_eq!(in_words(&session)(session.scene()), "Pinch 3.0 cm");
+    }
+}

@@ -1,0 +1,361 @@
+//! Opening and saving of files: dialogs and dropped files, in the background, on the desktop and in the
+//! page.
+
+use crate::app::plan::device::Device;
+use crate::app::texts::{shown, tr};
+use crate::clinical::Draft;
+use crate::scene::{MAX_SCENE_BYTES, Scene};
+use crate::study::volume_and_width;
+use crate::table::decode;
+use eframe::egui::{Context, DroppedFileHandle};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use web_time::{Duration, Instant};
+
+/// Extensions of tables of sizes; other files are scenes.
+const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
+
+/// Is the file of this name a table of sizes?
+pub(crate) fn is_table(name: &str) -> bool {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase());
+    extension.is_some_and(|extension| TABLES.contains(&&*extension))
+}
+
+/// Extension of reports.
+pub(crate) const REPORT: &str = "html";
+
+/// Time within which no user cancels a dialog.
+const LEAST_DIALOG: Duration = Duration::from_millis(300);
+/// Greatest number of characters of a reference in the name of a file.
+const MAX_NAME: usize = 40;
+
+/// The name of a file with the visit: device, the maker's name of the size, volume, date of the visit or of today, reference and an
+/// extension, as "implant-MM-240-240ml-2026-11-25-4711.html"; `what` stands before the extension.
+pub(crate) fn name_with_visit(
+    scene: &Scene,
+    device: Device,
+    what: &str,
+    extension: &str,
+) -> String {
+    let visit = scene.visit.clone().unwrap_or_default();
+    name(scene, device, (visit.date, &visit.reference), what, extension)
+}
+
+/// The name of a file without the visit: device, the maker's name, volume and today's date, as "implant-300ml-2026-11-25-numbers.csv"; `what`
+/// stands before the extension.
+pub(crate) fn name_without_visit(
+    scene: &Scene,
+    device: Device,
+    what: &str,
+    extension: &str,
+) -> String {
+    name(scene, device, (String::new(), ""), what, extension)
+}
+
+/// The name of a file of a plan with the implant's size, as "tissue-12cm-300ml.stl"; a file of the implant alone has its volume and,
+/// where one is stated, the maker's name, as "implant-MM-240-240ml.glb".
+pub(crate) fn name_with_size(scene: &Scene, device: Device, what: &str, extension: &str) -> String {
+    let [volume, width] = volume_and_width(scene);
+    let what = device.english(what);
+    let width = if what == device.english("implant") {
+        makers_name(scene).map_or_else(String::new, |name| format!("{name}-"))
+    } else {
+        format!("{}cm-", width.replace(" × ", "x"))
+    };
+    format!("{what}-{width}{volume}ml.{extension}")
+}
+
+fn name(
+    scene: &Scene,
+    device: Device,
+    (date, reference): (String, &str),
+    what: &str,
+    extension: &str,
+) -> String {
+    let [volume, _] = volume_and_width(scene);
+    let date = if date.is_empty() { today() } else { date };
+    let device = device.english("implant");
+    let size = [makers_name(scene).unwrap_or_default(), format!("{volume}ml")];
+    let parts = [device].into_iter().chain(size);
+    let parts = parts.chain([date, word_of_name(reference), what.to_owned()]);
+    let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
+    format!("{}.{extension}", parts.join("-"))
+}
+
+/// The maker's name of the size as a part of a file's name, without the volume that stands behind it.
+fn makers_name(scene: &Scene) -> Option<String> {
+    let name = scene.implant_reference.split(" · ").next().map(word_of_name);
+    name.filter(|name| !name.is_empty())
+}
+
+/// A text as a part of a file's name on every system: letters, digits and hyphens; what is between them is one hyphen.
+fn word_of_name(text: &str) -> String {
+    let signs: String = text.chars().map(|c| if c.is_alphanumeric() { c } else { ' ' }).collect();
+    let words: Vec<&str> = signs.split_whitespace().collect();
+    words.join("-").chars().take(MAX_NAME).collect()
+}
+
+/// Result of a file operation in the background.
+pub(crate) enum FileEvent {
+    /// The text of a file that was read.
+    Opened { name: String, text: String },
+    /// The name of a file that was written.
+    Saved(String),
+    /// An error message of one line.
+    Failed(String),
+}
+
+/// Channel between file operations in the background and the app.
+pub(crate) struct Files {
+    sender: Sender<FileEvent>,
+    receiver: Receiver<FileEvent>,
+}
+
+impl Files {
+    pub(crate) fn new() -> Self {
+        let (sender, receiver) = channel();
+        Self { sender, receiver }
+    }
+
+    /// Returns the next event, if there is one.
+    pub(crate) fn next(&self) -> Option<FileEvent> {
+        self.receiver.try_recv().ok()
+    }
+
+    /// Opens a dialog for a scene file and reads the file.
+    pub(crate) fn open(&self, ctx: &Context) {
+        self.pick(ctx, tr("Scene"), &["json"]);
+    }
+
+    /// Opens a dialog for a table of sizes and reads the file.
+    pub(crate) fn open_table(&self, ctx: &Context) {
+        self.pick(ctx, tr("Table"), &TABLES);
+    }
+
+    fn pick(&self, ctx: &Context, kind: &str, extensions: &[&str]) {
+        let dialog = rfd::AsyncFileDialog::new().add_filter(kind, extensions).pick_file();
+        self.run(ctx, async move {
+            let file = match chosen(dialog).await {
+                Ok(file) => file,
+                Err(event) => return event,
+            };
+            let name = file.file_name();
+            Some(text_of(name, Ok(file.read().await)))
+        });
+    }
+
+    /// Opens a dialog for a file name and writes the content.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn save(&self, ctx: &Context, suggestion: &str, content: impl Into<Vec<u8>>) {
+        let content = content.into();
+        let extension = suggestion.rsplit('.').next().unwrap_or_default();
+        let dialog = rfd::AsyncFileDialog::new()
+            .add_filter(extension.to_uppercase(), &[extension])
+            .set_file_name(suggestion)
+            .save_file();
+        self.run(ctx, async move {
+            let file = match chosen(dialog).await {
+                Ok(file) => file,
+                Err(event) => return event,
+            };
+            let name = file.file_name();
+            Some(match file.write(&content).await {
+                Ok(()) => FileEvent::Saved(name),
+                Err(error) => FileEvent::Failed(tr!("{name} was not saved: {error}", name, error)),
+            })
+        });
+    }
+
+    /// Passes the content to the browser's downloads. A dialog in the page could only report that a download
+    /// was offered, not that the file was saved.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn save(&self, _: &Context, name: &str, content: impl Into<Vec<u8>>) {
+        let name = name.to_owned();
+        let event = match download(&name, &content.into()) {
+            Ok(()) => FileEvent::Saved(name),
+            Err(error) => FileEvent::Failed(tr!(
+                "{name} was not saved: {error}",
+                name,
+                error = format_args!("{error:?}")
+            )),
+        };
+        // `self` owns the receiver, so sending cannot fail.
+        let _ = self.sender.send(event);
+    }
+
+    /// Reads a file dropped on the window.
+    pub(crate) fn dropped(&self, ctx: &Context, file: DroppedFileHandle) {
+        self.run(ctx, async move {
+            let name = file
+                .path()
+                .file_name()
+                .map_or_else(|| "dropped file".to_owned(), |n| n.to_string_lossy().into_owned());
+            #[cfg(target_arch = "wasm32")]
+            let bytes = file.bytes_async().await;
+            #[cfg(not(target_arch = "wasm32"))]
+            let bytes = file.bytes();
+            Some(text_of(name, bytes))
+        });
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn run(&self, ctx: &Context, job: impl Future<Output = Option<FileEvent>> + Send + 'static) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            if let Some(event) = pollster::block_on(job) {
+                // Sending fails if the app was closed in the meantime.
+                let _ = sender.send(event);
+                ctx.request_repaint();
+            }
+        });
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn run(&self, ctx: &Context, job: impl Future<Output = Option<FileEvent>> + 'static) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        wasm_bindgen_futures::spawn_local(async move {
+            if let Some(event) = job.await {
+                let _ = sender.send(event);
+                ctx.request_repaint();
+            }
+        });
+    }
+}
+
+/// The file that a user chose in a dialog; without a file nothing, or the error of a system without dialogs.
+async fn chosen(
+    dialog: impl Future<Output = Option<rfd::FileHandle>>,
+) -> Result<rfd::FileHandle, Option<FileEvent>> {
+    let start = Instant::now();
+    dialog.await.ok_or_else(|| {
+        let is_missing = cfg!(target_os = "linux") && start.elapsed() < LEAST_DIALOG;
+        let error = tr("This system has no dialog for files; install zenity or a desktop portal.");
+        is_missing.then(|| FileEvent::Failed(error.to_owned()))
+    })
+}
+
+/// Present date and time (UTC, RFC 3339).
+pub(crate) fn date() -> String {
+    #[cfg(target_arch = "wasm32")]
+    return js_sys::Date::new_0().to_iso_string().into();
+    #[cfg(not(target_arch = "wasm32"))]
+    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+}
+
+/// Present date and time of the machine's time zone with its distance from UTC (RFC 3339).
+pub(crate) fn local_date() -> String {
+    #[cfg(target_arch = "wasm32")]
+    {
+        let now = js_sys::Date::new_0();
+        // Minutes west of UTC.
+        let offset = -now.get_timezone_offset() as i32;
+        let sign = if offset < 0 { '-' } else { '+' };
+        format!(
+            "{}T{:02}:{:02}:{:02}{sign}{:02}:{:02}",
+            today(),
+            now.get_hours(),
+            now.get_minutes(),
+            now.get_seconds(),
+            offset.abs() / 60,
+            offset.abs() % 60
+        )
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    jiff::ZonedDateTime::now().strftime("%Y-%m-%dT%H:%M:%S%:z").to_string()
+}
+
+/// Present day of the machine's time zone as 2026-01-31.
+pub(crate) fn today() -> String {
+    #[cfg(target_arch = "wasm32")]
+    {
+        let now = js_sys::Date::new_0();
+        format!("{:04}-{:02}-{:02}", now.get_full_year(), now.get_month() + 1, now.get_date())
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    jiff::ZonedDateTime::now().date().to_string()
+}
+
+#[cfg(target_arch = "wasm32")]
+fn download(name: &str, content: &[u8]) -> Result<(), wasm_bindgen::JsValue> {
+    use wasm_bindgen::JsCast as _;
+    let document = web_sys::window().and_then(|w| w.document()).ok_or("there is no document")?;
+    let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(content));
+    let address = web_sys::Url::create_object_url_with_blob(
+        &web_sys::Blob::new_with_u8_array_sequence(&parts)?,
+    )?;
+    let link: web_sys::HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
+    link.set_href(&address);
+    link.set_download(name);
+    link.click();
+    // The address is not revoked: some browsers read the data only after the click.
+    Ok(())
+}
+
+fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
+    let bytes = match bytes {
+        Ok(bytes) => bytes,
+        Err(error) => return FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error)),
+    };
+    if bytes.len() > MAX_SCENE_BYTES {
+        let megabytes = bytes.len() / 1_000_000;
+        return FileEvent::Failed(tr!(
+            "{name} has {megabytes} MB; allowed: up to 10 MB",
+            name,
+            megabytes
+        ));
+    }
+    let text = if is_table(&name) { Draft::text_of(&bytes) } else { decode(&bytes) };
+    match text {
+        Ok(text) => FileEvent::Opened { text: text.into_owned(), name },
+        Err(error) => FileEvent::Failed(tr!(
+            "{name} {error}; allowed: a scene (JSON) or a table of sizes (CSV)",
+            name,
+            error = shown(&error.to_string())
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_has_the_size() {
+        let mut scene = Scene::opening();
+        let name = |scene: &Scene, what| name_with_size(scene, Device::Implant, what, "glb");
+        assert_eq!(name(&scene, "implant"), "implant-225ml.glb");
+        assert_eq!(name(&scene, "tissue"), "tissue-12cm-225ml.glb");
+        assert_eq!(
+            name_with_size(&scene, Device::Expander, "implant", "stl"),
+            "expander-225ml.stl"
+        );
+        scene.implant.base_radius_mm = 57.5;
+        scene.implant.base_height_mm = Some(108.0);
+        let [volume, _] = volume_and_width(&scene);
+        assert_eq!(name(&scene, "skin"), format!("skin-11.5x10.8cm-{volume}ml.glb"));
+    }
+
+    #[test]
+    fn a_name_has_the_makers_name_of_the_size() {
+        let mut scene = Scene::opening();
+        scene.implant_reference = "MM/240 · 240 cc".to_owned();
+        let name = |what| name_with_size(&scene, Device::Implant, what, "glb");
+        assert_eq!(name("implant"), "implant-MM-240-225ml.glb");
+        assert_eq!(name("tissue"), "tissue-12cm-225ml.glb");
+        let report = name_with_visit(&scene, Device::Implant, "", "html");
+        assert!(report.starts_with("implant-MM-240-225ml-2"), "{report}");
+    }
+
+    #[test]
+    fn a_part_of_a_name_has_no_sign_that_a_system_refuses() {
+        for (text, word) in [
+            ("K. M. 4711", "K-M-4711"),
+            ("../a\\b:c*?\"<>|", "a-b-c"),
+            ("Ñandú 7", "Ñandú-7"),
+            (" .. ", ""),
+            ("", ""),
+        ] {
+            assert_eq!(word_of_name(text), word, "{text}");
+        }
+        assert_eq!(word_of_name(&"a".repeat(100)).len(), MAX_NAME);
+    }
+}

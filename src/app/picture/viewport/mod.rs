@@ -1,0 +1,540 @@
+//! The 3-D view: camera, picture, colour bar, values at the pointer.
+//!
+//! Without GL (in tests, without WebGL 2) only the picture itself is missing.
+
+mod directions;
+mod envelope;
+mod marks;
+mod options;
+mod overlay;
+mod panes;
+mod readout;
+mod renderer;
+mod torso;
+
+pub(crate) use envelope::Outline;
+pub(crate) use marks::labelled_box;
+pub(crate) use options::{Options, Subject as PictureSubject};
+pub(crate) use overlay::{lower_edge, pointer_box, scale_bar};
+
+use crate::app::answer::practice::Practices;
+use crate::app::texts::tr;
+use crate::app::widgets::{arrow_keys, keep_press};
+use crate::scene::Scene;
+use crate::session::Session;
+use crate::solve::{Problem, Tissue};
+use crate::study::SectionBand;
+use crate::view::body::Body;
+use crate::view::camera::{Ball, Camera, Standing, View};
+use crate::view::color::{Colouring, Quantity, Rgb, Scale};
+use crate::view::picture::Picture;
+use crate::view::section::{Opening, Section};
+use crate::view::subject::{Between, LastAnswer, Subject};
+use crate::view::wall;
+use eframe::egui::{
+    self, Align2, Key, Modifiers, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui,
+    WidgetInfo,
+};
+use eframe::{egui_glow, glow};
+use egui::layers::ShapeIdx;
+use glam::{Vec2, Vec3};
+use marks::{Marked, Marks};
+use panes::Pane;
+use renderer::{Areola, Frame, Renderer};
+use std::borrow::Cow;
+use std::sync::{Arc, Mutex};
+use web_time::Instant;
+
+/// Motion of the camera by an arrow key, as the length of a drag \[points\].
+const KEY_ORBIT: f32 = 14.0;
+/// Opacity of the veil over the last answer of a scene without one \[-\].
+const VEIL: f32 = 0.6;
+/// Least distance of the eye from the tissue \[mm\].
+const CLEARANCE_MM: f32 = 50.0;
+
+/// What the 3-D view shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Shown<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) options: &'a Options,
+    /// What the stretches are compared with.
+    pub(crate) practices: &'a Practices,
+    /// Band of the skin whose lines are drawn.
+    pub(crate) envelope: &'a [SectionBand],
+    /// Outlines of pins.
+    pub(crate) outlines: &'a [Outline],
+    /// Height of the controls over the top of the picture \[points\].
+    pub(crate) bar: f32,
+    /// On paper a pin of the same plan has no picture of its own.
+    pub(crate) is_on_paper: bool,
+    /// A standard pose in place of the camera's.
+    pub(crate) standing: Option<Standing>,
+}
+
+impl<'a> Shown<'a> {
+    /// A session with nothing over its picture.
+    pub(crate) fn new(
+        session: &'a Session,
+        options: &'a Options,
+        practices: &'a Practices,
+    ) -> Self {
+        Self {
+            session,
+            options,
+            practices,
+            envelope: &[],
+            outlines: &[],
+            bar: 0.0,
+            is_on_paper: false,
+            standing: None,
+        }
+    }
+}
+
+/// The colours of a subject.
+fn colouring(subject: &impl Subject, quantity: Quantity, practices: &Practices) -> Colouring {
+    let skin = practices.skin(subject.scene(), subject.problem().skin_knee());
+    Colouring { quantity, skin }
+}
+
+/// The scale of a plan's legend, without words while they are not known.
+fn of_legend<'a>(scale: &'a Scale, plan: &Scene, practices: &Practices) -> Cow<'a, Scale> {
+    match practices.has_words(plan) {
+        true => Cow::Borrowed(scale),
+        false => Cow::Owned(Scale { words: Vec::new(), ..scale.clone() }),
+    }
+}
+
+/// The 3-D view with its camera.
+pub(crate) struct Viewport {
+    gl: Option<Arc<glow::Context>>,
+    renderer: Option<Arc<Mutex<Renderer>>>,
+    error: Option<String>,
+    camera: Camera,
+    /// The ball to which the camera is fitted; `None` after the user has moved the camera.
+    fitted: Option<Ball>,
+    is_placed: bool,
+    aspect: f32,
+    id: Option<egui::Id>,
+    /// Where the current scene's picture was drawn last.
+    area: Option<Rect>,
+    /// Place for handles in the order of drawing: over the picture, under the marks.
+    handles: Option<ShapeIdx>,
+    marks: Marks,
+    picture: Picture,
+    /// The pins' pictures beside the picture.
+    panes: Vec<Pane>,
+    /// Colour table of all pictures side by side.
+    common_table: Arc<Vec<Rgb>>,
+    /// Start of the picture's clock.
+    start: Instant,
+}
+
+/// Number of the current scene's picture; the pins' numbers are greater.
+const CURRENT: u64 = 0;
+
+/// What is drawn in an area.
+struct Drawn<'a> {
+    /// The number of the picture, and the numbers of all pictures in use.
+    number: u64,
+    numbers: Arc<[u64]>,
+    picture: &'a Picture,
+    table: &'a Arc<Vec<Rgb>>,
+    range: [f32; 2],
+    problem: &'a Problem,
+    section: Section,
+    /// The springs?
+    net: bool,
+    areola: Areola,
+    /// The line of the pocket's edge?
+    pocket_line: bool,
+}
+
+impl Viewport {
+    /// Creates a view for a graphics context; without one it shows the reason.
+    #[must_use]
+    pub(crate) fn new(gl: Option<&Arc<glow::Context>>) -> Self {
+        let mut viewport = Self {
+            gl: None,
+            renderer: None,
+            error: None,
+            camera: Camera::new(90.0, 1.4),
+            fitted: None,
+            is_placed: false,
+            aspect: 1.4,
+            id: None,
+            area: None,
+            handles: None,
+            marks: Marks::default(),
+            picture: Picture::default(),
+            panes: Vec::new(),
+            common_table: Arc::default(),
+            start: Instant::now(),
+        };
+        viewport.move_to(gl);
+        viewport
+    }
+
+    /// Moves the view to another graphics context; the resources of the previous one are lost.
+    pub(crate) fn move_to(&mut self, gl: Option<&Arc<glow::Context>>) {
+        self.gl = gl.cloned();
+        (self.renderer, self.error) = match gl.map(|gl| Renderer::new(gl)) {
+            Some(Ok(renderer)) => (Some(Arc::new(Mutex::new(renderer))), None),
+            Some(Err(error)) => (None, Some(error)),
+            None => (None, Some("OpenGL or WebGL 2 is missing".to_owned())),
+        };
+    }
+
+    /// The graphics context.
+    ///
+    /// # Errors
+    /// Returns why the view is empty.
+    pub(crate) fn graphics(&self) -> Result<Arc<glow::Context>, String> {
+        match &self.error {
+            Some(error) => Err(error.clone()),
+            None => self.gl.clone().ok_or_else(|| "graphics are missing".to_owned()),
+        }
+    }
+
+    /// Shows the view elsewhere, with its camera. The view in the window stays as it is.
+    pub(crate) fn aside<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
+        let place = (self.camera, self.fitted, self.is_placed, self.aspect, self.id);
+        let (area, marks) = (self.area, std::mem::take(&mut self.marks));
+        let shown = show(self);
+        (self.camera, self.fitted, self.is_placed, self.aspect, self.id) = place;
+        (self.area, self.marks) = (area, marks);
+        shown
+    }
+
+    /// Id of the picture's widget after its first frame.
+    pub(crate) fn id(&self) -> Option<egui::Id> {
+        self.id
+    }
+
+    /// The tissue as the picture of the current scene shows it.
+    pub(crate) fn body(&self) -> &Body {
+        &self.picture.body
+    }
+
+    /// Draws handles over the picture, under its marks.
+    pub(crate) fn paint_handles(&mut self, ui: &Ui, shapes: Vec<egui::Shape>) {
+        if let Some((place, area)) = self.handles.take().zip(self.area) {
+            ui.painter_at(area).set(place, egui::Shape::Vec(shapes));
+        }
+    }
+
+    /// Where the current scene's picture was drawn last.
+    pub(crate) fn area(&self) -> Option<Rect> {
+        self.area
+    }
+
+    /// Moves the camera smoothly to a standard view of the whole body.
+    pub(crate) fn fit(&mut self, session: &Session, view: View) {
+        let ball = self.ball_to_fit(session);
+        self.camera.fit(ball, self.aspect, view);
+        // A new aspect ratio restores the three-quarter view only.
+        self.fitted = (view == View::All).then_some(ball);
+    }
+
+    /// Frees the resources on the graphics card.
+    pub(crate) fn destroy(&mut self, gl: Option<&glow::Context>) {
+        if let Some(gl) = gl
+            && let Some(renderer) = self.renderer.take()
+            && let Ok(renderer) = renderer.lock()
+        {
+            renderer.destroy(gl);
+        }
+    }
+
+    /// Shows the session in the remaining space; for a scene without an answer, the last answer under a veil.
+    pub(crate) fn show(&mut self, ui: &mut Ui, shown: Shown<'_>) {
+        match LastAnswer::of(shown.session) {
+            Some(answer) => {
+                let area = ui.available_rect_before_wrap();
+                self.show_subject(ui, &answer, Shown { envelope: &[], outlines: &[], ..shown });
+                veil(ui, area);
+            }
+            None => self.show_subject(ui, shown.session, shown),
+        }
+    }
+
+    /// Shows a shape of the session's plan between two insertions in the remaining space.
+    pub(crate) fn show_between(&mut self, ui: &mut Ui, between: &Between<'_>, shown: Shown<'_>) {
+        self.show_subject(ui, between, Shown { envelope: &[], outlines: &[], ..shown });
+    }
+
+    fn show_subject(&mut self, ui: &mut Ui, session: &impl Subject, shown: Shown<'_>) {
+        let Shown { options, practices, envelope, outlines, bar, .. } = shown;
+        self.panes.clear();
+        let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
+        let response = self.interact(ui, area);
+        self.place_camera(wall::ball(session.problem()), area.width() / area.height());
+        if let Some(standing) = shown.standing {
+            let ball = wall::ball(session.problem());
+            self.camera = Camera::standing(ball, self.aspect, standing);
+        }
+        self.camera.mirror(session.scene().is_right());
+        let section = section_of(options, session.problem());
+        let start = self.start;
+        let clock = || start.elapsed().as_secs_f64();
+        let colouring = colouring(session, options.quantity, practices);
+        let up_to_date = self.picture.update(session, colouring, section, &clock);
+        let moved = self.move_camera(ui, &response, area);
+        if moved || self.camera.is_easing() || !up_to_date {
+            ui.ctx().request_repaint();
+        }
+        if !ui.is_rect_visible(area) {
+            return;
+        }
+        let painter = ui.painter_at(area);
+        overlay::background(ui, &painter, area);
+        if options.torso {
+            self.draw_torso(ui, &painter, area);
+        }
+        let scale = self.picture.scale.as_ref();
+        let drawn = Drawn {
+            number: CURRENT,
+            numbers: Arc::new([CURRENT]),
+            picture: &self.picture,
+            table: &self.picture.table,
+            range: scale.map_or([0.0, 1.0], |s| [s.low, s.high]),
+            problem: session.problem(),
+            section,
+            net: options.net,
+            areola: options.areola(),
+            pocket_line: options.has_pocket_line(),
+        };
+        self.draw(ui, &painter, area, drawn);
+        self.draw_envelope(ui, &painter, area, (session, section), envelope);
+        for outline in outlines {
+            for line in outline.lines(section, self.camera.pose().azimuth) {
+                let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
+                overlay::outline(ui, &painter, points, outline);
+            }
+        }
+        let free = area.with_min_y(area.top() + bar);
+        let scale = scale.filter(|_| !self.picture.body.is_empty());
+        let bar = scale_bar(ui, &painter, area, self.points_per_mm(area));
+        let legend = |scale| {
+            let scale = of_legend(scale, session.scene(), practices);
+            overlay::legend(ui, &painter, free, bar, &scale)
+        };
+        let taken = [scale.map_or(Rect::NOTHING, legend), bar];
+        let (right, up) = self.camera.right_and_up();
+        let words = directions::words(right, up, options.torso);
+        let taken = overlay::directions(ui, &painter, free, &words, &taken);
+        self.handles = Some(painter.add(egui::Shape::Noop));
+        let marked = Marked { picture: &self.picture, subject: session, section, taken: &taken };
+        let click = self.show_marks(ui, &response, &marked);
+        self.click(click);
+    }
+
+    /// The widget of the current scene's picture.
+    fn interact(&mut self, ui: &Ui, area: Rect) -> Response {
+        // An id of its own: the focus stays while the progress of a solve is shown above the picture.
+        let id = ui.scope_id().with("3-D view");
+        let response = ui.interact(area, id, Sense::click_and_drag() | Sense::FOCUSABLE);
+        keep_press(&response);
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, tr("3-D view")));
+        (self.id, self.area) = (Some(response.id), Some(area));
+        response
+    }
+
+    /// Fits the camera to a new aspect ratio, unless the user has moved the camera.
+    fn place_camera(&mut self, ball: Ball, aspect: f32) {
+        if !self.is_placed {
+            self.fitted = Some(ball);
+        }
+        let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
+        if let Some(ball) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
+            self.camera = Camera::new(ball, aspect);
+        }
+        (self.is_placed, self.aspect) = (true, aspect);
+    }
+
+    fn move_camera(&mut self, ui: &Ui, response: &Response, area: Rect) -> bool {
+        let seconds = ui.input(|i| i.stable_dt.min(0.1));
+        let eased = self.camera.ease(seconds);
+        let mut moved = false;
+        if response.clicked() || response.drag_started() {
+            ui.memory_mut(|memory| memory.request_focus(self.id.unwrap_or(response.id)));
+        }
+        let to_glam = |v: egui::Vec2| Vec2::new(v.x, v.y);
+        let delta = to_glam(response.drag_delta());
+        let (shift, touch) = ui.input(|i| (i.modifiers.shift, i.multi_touch()));
+        if let Some(touch) = touch
+            && area.contains(touch.center_pos)
+        {
+            let at = viewport_point(area, touch.center_pos);
+            moved |= self.zoom(touch.zoom_delta, at);
+            moved |= self.camera.pan(to_glam(touch.translation_delta), area.height());
+        } else if response.dragged_by(PointerButton::Primary) && !shift {
+            moved |= self.camera.drag(delta);
+        } else if response.dragged() {
+            moved |= self.camera.pan(delta, area.height());
+        }
+        if let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) {
+            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+            let at = viewport_point(area, pointer);
+            moved |= self.zoom((scroll * 0.003).exp() * pinch, at);
+        }
+        if response.has_focus() {
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrow_keys()));
+            moved |= self.keys(ui);
+        }
+        if moved {
+            let (radius, height) = self.surroundings();
+            self.camera.keep_outside(radius, height);
+            self.fitted = None;
+        }
+        moved || eased
+    }
+
+    /// Radius and height of a cylinder around the drawn tissue that the eye does not enter \[mm\].
+    fn surroundings(&self) -> (f32, f32) {
+        let pictures = self.panes.iter().map(|pane| &pane.picture).chain([&self.picture]);
+        let (radius, height) = pictures.fold((0.0_f32, 0.0_f32), |(radius, height), picture| {
+            (radius.max(picture.body.block_radius), height.max(picture.body.height()))
+        });
+        (radius + CLEARANCE_MM, height + CLEARANCE_MM)
+    }
+
+    /// Zooms to a point of the viewport, as near as the tissue allows. Returns whether the view changed.
+    fn zoom(&mut self, factor: f32, at: Vec2) -> bool {
+        let mut factor = factor;
+        // Every frame under the pointer comes here, most of them with 1.
+        if factor > 1.0 {
+            let (radius, height) = self.surroundings();
+            factor = self.camera.zoom_outside(factor, at, self.aspect, radius, height);
+        }
+        self.camera.zoom(factor, at, self.aspect)
+    }
+
+    /// Shift with arrow keys rotates the camera, plus and minus zoom.
+    fn keys(&mut self, ui: &Ui) -> bool {
+        let mut moved = false;
+        ui.input_mut(|input| {
+            for (key, x, y) in [
+                (Key::ArrowLeft, 1.0, 0.0),
+                (Key::ArrowRight, -1.0, 0.0),
+                (Key::ArrowUp, 0.0, 1.0),
+                (Key::ArrowDown, 0.0, -1.0),
+            ] {
+                let count = input.count_and_consume_key(Modifiers::SHIFT, key) as f32;
+                moved |= count > 0.0 && self.camera.drag(count * KEY_ORBIT * Vec2::new(x, y));
+            }
+            for (key, factor) in
+                [(Key::Plus, 1.15_f32), (Key::Equals, 1.15), (Key::Minus, 1.0 / 1.15)]
+            {
+                let count = input.count_and_consume_key(Modifiers::NONE, key);
+                let factor = factor.powi(count as i32);
+                moved |= self.zoom(factor, Vec2::ZERO);
+            }
+        });
+        moved
+    }
+
+    fn draw(&self, ui: &Ui, painter: &egui::Painter, area: Rect, drawn: Drawn<'_>) {
+        let Drawn { number, numbers, picture, table, range, problem, section, .. } = drawn;
+        let Drawn { net, areola, pocket_line, .. } = drawn;
+        let Some(renderer) = &self.renderer else {
+            let why = self.error.as_deref().unwrap_or("graphics are missing");
+            let text = tr!(
+                "The 3-D view is not available: {why}.\nControls and results work.",
+                why = tr(why)
+            );
+            let font = TextStyle::Body.resolve(ui.style());
+            let color = ui.visuals().weak_text_color();
+            painter.text(area.center(), Align2::CENTER_CENTER, text, font, color);
+            return;
+        };
+        let (right, up) = self.camera.light();
+        // A sheet ends at the pocket's edge.
+        let pocket = match problem.tissue {
+            Tissue::Layered if pocket_line => {
+                problem.patch.pocket_radius_mm / problem.sheet().spacing_mm()
+            }
+            Tissue::Layered | Tissue::Sheet => 0.0,
+        };
+        let frame = Frame {
+            picture: number,
+            pictures: numbers,
+            meshes: picture.meshes.clone(),
+            table: Arc::clone(table),
+            range,
+            clip_from_world: self.camera.clip_from_world(self.aspect),
+            eye: self.camera.eye(),
+            right,
+            up,
+            planes: section.planes(),
+            axis: section.axis,
+            net,
+            areola,
+            cell_mm: problem.sheet().spacing_mm() as f32,
+            grid_centre: 0.5 * picture.body.nodes_per_side.saturating_sub(1) as f32,
+            foot: problem.obstacle.dome.wall_axes().as_vec2().to_array(),
+            pocket: pocket as f32,
+        };
+        let renderer = Arc::clone(renderer);
+        let paint = egui_glow::CallbackFn::new(move |_, painter| {
+            if let Ok(mut renderer) = renderer.lock() {
+                renderer.paint(painter.gl(), &frame);
+            }
+        });
+        painter.add(egui::PaintCallback { rect: area, callback: Arc::new(paint) });
+    }
+
+    fn points_per_mm(&self, area: Rect) -> f32 {
+        let target = self.camera.pose().target;
+        let (right, _) = self.camera.right_and_up();
+        let project = |p| self.camera.project(p, self.aspect).unwrap_or_default();
+        0.5 * area.width() * (project(target + right) - project(target)).length()
+    }
+
+    /// The place of a point \[mm\] in the area; `None` behind the eye.
+    pub(crate) fn point(&self, point: Vec3, area: Rect) -> Option<Pos2> {
+        let at = self.camera.project(point, self.aspect)?;
+        Some(area.lerp_inside(egui::vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y)))
+    }
+
+    /// Draws the envelopes of the skin of sampled patients over the session's picture.
+    fn draw_envelope(
+        &self,
+        ui: &Ui,
+        painter: &egui::Painter,
+        area: Rect,
+        (session, section): (&impl Subject, Section),
+        band: &[SectionBand],
+    ) {
+        let azimuth = self.camera.pose().azimuth;
+        for line in envelope::lines(band, session.scene().is_round(), section, azimuth) {
+            let points = line.points.iter().filter_map(|point| self.point(*point, area)).collect();
+            overlay::envelope(ui, painter, points, line.is_outer);
+        }
+    }
+}
+
+/// A position as coordinates of the area, −1 to 1, y up.
+fn viewport_point(area: Rect, at: Pos2) -> Vec2 {
+    let x = 2.0 * (at.x - area.left()) / area.width() - 1.0;
+    Vec2::new(x, 1.0 - 2.0 * (at.y - area.top()) / area.height())
+}
+
+/// The cut of the options through the axis of an implant.
+fn section_of(options: &Options, problem: &Problem) -> Section {
+    Section {
+        opening: match (options.section, options.half) {
+            (false, _) => Opening::Closed,
+            (true, false) => Opening::Wedge,
+            (true, true) => Opening::Half,
+        },
+        angle: options.section_azimuth_deg.to_radians(),
+        axis: problem.obstacle.dome.center.as_vec2(),
+    }
+}
+
+/// Draws the veil over the last answer of a scene without one.
+pub(crate) fn veil(ui: &Ui, area: Rect) {
+    let veil = ui.visuals().panel_fill.gamma_multiply(VEIL);
+    ui.painter_at(area).rect_filled(area, 0.0, veil);
+}
