@@ -5,9 +5,10 @@
 //! beyond the axis: half of the sheet, or a quarter with two axes.
 
 pub(crate) use super::lane_field::{Field, load, shifted_right, store, store_first};
+use super::rest::Surface;
 use super::vec3::Vec3;
 use super::{Rest, Sheet};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use wide::f32x4;
 
 /// Lanes beyond the end of a row or an array that a load may reach.
@@ -45,13 +46,15 @@ impl CellRow {
     }
 }
 
-/// A triangle whose shape at rest differs from the grid's: at the border, or on a curved surface.
+/// A triangle with a rest metric of its own: at the border, or anywhere on a surface that is not even.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BorderTriangle {
+pub(crate) struct OwnTriangle {
     /// Stored nodes, counter-clockwise, the right angle first.
     pub(crate) nodes: [u32; 3],
-    /// The nodes' positions at rest \[spacings\].
-    pub(crate) rest: [DVec3; 3],
+    /// The nodes' positions without displacement \[spacings\].
+    pub(crate) places: [DVec3; 3],
+    /// The rest metric, by the corners of [`Surface::triangle`] \[spacings\].
+    pub(crate) rest: [DVec2; 3],
     /// Weight of the triangle's area \[-\].
     pub(crate) weight: f64,
 }
@@ -99,8 +102,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout of a grid, and the triangles of the cells that are not regular.
-    pub(crate) fn new(nodes_per_side: usize, mirrored: Mirrored) -> (Self, Vec<BorderTriangle>) {
+    /// The layout of a grid.
+    pub(crate) fn new(nodes_per_side: usize, mirrored: Mirrored) -> Self {
         let half = nodes_per_side / 2;
         let sheet = Sheet::new(nodes_per_side, half as f64);
         let first = mirrored.map(|is_mirrored| if is_mirrored { half - 1 } else { 0 });
@@ -125,7 +128,6 @@ impl Layout {
             let (from, to) = sheet.free_spans()[j + first[1]];
             (from.saturating_sub(first[0]), to - first[0])
         };
-        let mut border = Vec::new();
         let [ghost, _] = layout.ghost();
         for j in 0..rows {
             let (from, to) = free(j);
@@ -137,16 +139,8 @@ impl Layout {
             let (from, to) = (a.max(c), b.min(d).saturating_sub(1));
             let (from, to) = if from < to && a < b && c < d { (from, to) } else { (0, 0) };
             layout.regular.push((from as u32, to as u32));
-            let (sheet_from, sheet_to) = sheet.cell_span(j + first[1]);
-            let begin = sheet_from.saturating_sub(first[0]);
-            let end = sheet_to.saturating_sub(first[0]).min(columns - 1);
-            for i in (begin..from.max(begin).min(end)).chain(to.max(begin)..end) {
-                let (i, j) = (i + first[0], j + first[1]);
-                let at = |k: usize| sheet.rest()[k].extend(0.0);
-                border.extend(layout.triangles_of(&sheet, (i, j), at));
-            }
         }
-        (layout, border)
+        layout
     }
 
     /// The rows of cells with free corners only.
@@ -196,44 +190,36 @@ impl Layout {
         (node / n - first_row) * self.pitch + node % n - first
     }
 
-    /// The triangles of cell (i, j) of the whole grid, whose nodes are `at` these places at rest \[spacings\].
-    fn triangles_of(
-        &self,
-        sheet: &Sheet,
-        (i, j): (usize, usize),
-        at: impl Fn(usize) -> DVec3,
-    ) -> impl Iterator<Item = BorderTriangle> {
-        sheet.cell_triangles(i, j).map(move |(nodes, weight)| BorderTriangle {
-            nodes: nodes.map(|k| (self.origin + self.stored(k)) as u32),
-            rest: nodes.map(&at),
-            weight,
-        })
+    /// The plane of the grid at rest \[spacings\].
+    pub(crate) fn plane(&self) -> Rest {
+        let half = (self.nodes_per_side / 2) as f64;
+        Rest::of_sheet(Sheet::new(self.nodes_per_side, half))
     }
 
-    /// All triangles of a layer of nodes of the tissue at rest, with the stored nodes of that layer.
-    pub(crate) fn own_triangles(&self, rest: &Rest, layer: usize) -> Vec<BorderTriangle> {
-        let (sheet, [first, first_row]) = (rest.sheet(), self.first());
+    /// The layout of a layer of nodes that is this surface at rest, and the triangles of cells that are not regular: even
+    /// surfaces have regular cells, which are squares of the grid.
+    pub(crate) fn of_surface(&self, surface: Surface, layer: usize) -> (Self, Vec<OwnTriangle>) {
+        let mut layout = Self { origin: layer * self.len(), ..self.clone() };
+        if !surface.is_even() {
+            layout.regular.fill((0, 0));
+        }
+        let (sheet, [first, first_row]) = (surface.sheet(), self.first());
         let per_spacing = 1.0 / sheet.spacing_mm();
-        let at = |k: usize| rest.node(layer, k) * per_spacing;
-        let rows = (first_row..self.nodes_per_side - 1).map(|j| (j, sheet.cell_span(j)));
-        let cells = rows.flat_map(|(j, (from, to))| (from.max(first)..to).map(move |i| (i, j)));
-        cells.flat_map(|cell| self.triangles_of(sheet, cell, at)).collect()
-    }
-
-    /// The layout with no cell that is regular.
-    pub(crate) fn without_regular_cells(mut self) -> Self {
-        self.regular.fill((0, 0));
-        self
-    }
-
-    /// The same cells of another layer of nodes.
-    pub(crate) fn of_layer(&self, layer: usize) -> Self {
-        Self { origin: layer * self.len(), ..self.clone() }
-    }
-
-    /// Stored index of the first node of the layer whose cells [`Self::cell_rows`] returns.
-    pub(crate) fn origin(&self) -> usize {
-        self.origin
+        let triangle = |(nodes, weight): ([usize; 3], f64)| OwnTriangle {
+            nodes: nodes.map(|k| (layout.origin + self.stored(k)) as u32),
+            places: nodes.map(|k| surface.node(k) * per_spacing),
+            rest: surface.triangle(nodes).map(|corner| corner * per_spacing),
+            weight,
+        };
+        let mut triangles = Vec::new();
+        for (j, &(from, to)) in layout.regular.iter().enumerate() {
+            let (begin, end) = sheet.cell_span(j + first_row);
+            let is_regular = |i: usize| (from as usize..to as usize).contains(&(i - first));
+            for i in (begin.max(first)..end).filter(|&i| !is_regular(i)) {
+                triangles.extend(sheet.cell_triangles(i, j + first_row).map(triangle));
+            }
+        }
+        (layout, triangles)
     }
 
     /// Has the stored cell (i, j) a free corner?

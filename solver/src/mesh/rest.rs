@@ -3,7 +3,7 @@
 //! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height, or one times a
 //! factor that differs from place to place.
 
-use super::{Chest, Sheet, ThicknessField, coarser_nodes_per_side};
+use super::{Chest, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side};
 use glam::{DMat2, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -216,14 +216,26 @@ impl<'a> Surface<'a> {
         self.rest.is_even()
     }
 
-    /// The corners of a triangle of nodes, laid into the plane of the grid without strain and without a turn against the grid
-    /// \[mm\].
+    /// Is the cell with these corners a square of the grid at rest, whose triangles need no [`Self::triangle`]?
+    #[inline]
+    pub(crate) fn is_square(self, corners: [usize; 4]) -> bool {
+        let kinds = self.sheet().kinds();
+        self.is_even() && corners.iter().all(|&k| kinds[k] == NodeKind::Free)
+    }
+
+    /// Position of a node \[mm\].
+    pub(crate) fn node(self, node: usize) -> DVec3 {
+        self.rest.node(self.layer, node)
+    }
+
+    /// The rest metric of a triangle of nodes, all that a membrane knows of its rest shape: the corners, laid into the plane of the
+    /// grid without strain and without a turn against the grid \[mm\].
     pub(crate) fn triangle(self, nodes: [usize; 3]) -> [DVec2; 3] {
         let flat = nodes.map(|k| self.sheet().rest()[k]);
         if self.is_even() {
             return flat;
         }
-        let [a, b, c] = nodes.map(|k| self.rest.node(self.layer, k));
+        let [a, b, c] = nodes.map(|k| self.node(k));
         let sides = DMat2::from_cols(flat[1] - flat[0], flat[2] - flat[0]);
         let inverse = sides.inverse();
         let [b, c] = [b - a, c - a];

@@ -218,7 +218,7 @@ mod tests {
     /// The step of a column without contact solves the block-tridiagonal system.
     #[test]
     fn a_column_is_solved_exactly() {
-        let (layout, _) = Layout::new(9, [false; 2]);
+        let layout = Layout::new(9, [false; 2]);
         let layers = 3;
         let length = layout.len();
         let mut blocks = ColumnBlocks::new(length, layers);

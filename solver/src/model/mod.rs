@@ -10,7 +10,7 @@ pub mod layered;
 pub mod membrane;
 
 use crate::mesh::Rest;
-use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
+use crate::mesh::lanes::{Field, Layout, load, store};
 use crate::mesh::vec3::{Block, inverted};
 use columns::Stiffness;
 use std::sync::Arc;
@@ -27,8 +27,8 @@ pub(crate) trait ElasticModel {
     /// Nodes in a column through the thickness; the first node lies on the inner face.
     fn layers(&self) -> usize;
 
-    /// The scratch of a grid with these triangles at the border.
-    fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Self::Scratch;
+    /// The scratch of a grid over a flat wall.
+    fn scratch(&self, layout: &Layout) -> Self::Scratch;
 
     /// Fits the scratch to a grid of the given spacing \[mm\]; `rest` is the tissue at rest on that grid, `None` over a flat
     /// wall.

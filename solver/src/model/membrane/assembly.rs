@@ -6,14 +6,14 @@
 //! eigensystems for isotropic distortion energies", ACM TOG 38(1), 2019), so that negative
 //! stiffness can be left out of the Hessian mode by mode. Forces are exact.
 
-use super::deformation::{is_square, square_edges};
+use super::deformation::square_edges;
 use super::law::{PaperLaw, SheetLaw};
 use super::triangle::{Principal, Rest};
 use crate::mesh::part::Part;
 use crate::mesh::stencil::{BlockStencil9, outer};
 use crate::mesh::{CellKind, Surface};
 use crate::springs::coupled::CoupledLaw;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec3};
 use std::ops::Range;
 
 /// Fraction of the tangential stiffness w₁₁ + w₂₂ that the out-of-plane stiffness of [`Stiffness::Positive`] is kept
@@ -76,15 +76,14 @@ const PLACE: [[(usize, bool); 4]; 4] = [
 pub fn energy(surface: Surface, law: &SheetLaw, x: &[DVec3]) -> f64 {
     let mut sum = 0.0;
     for (nodes, weight) in surface.sheet().triangles() {
-        let at_rest = surface.triangle(nodes);
-        let triangle = Rest::new(at_rest, weight);
+        let triangle = Rest::new(surface, nodes, weight);
         let x = nodes.map(|k| x[k]);
         sum += match law {
             SheetLaw::Coupled(law) => {
                 let [a, b] = Principal::stretches(Principal::columns(&triangle, x));
                 triangle.area * law.energy([a - 1.0, b - 1.0])
             }
-            SheetLaw::Paper(law) => springs(&triangle, at_rest, x)
+            SheetLaw::Paper(law) => springs(&triangle, x)
                 .iter()
                 .map(|s| s.width * s.rest_length * s.table(law).integral_from_zero(s.strain()))
                 .sum(),
@@ -165,9 +164,9 @@ fn coupled_forces(
             }
             let at = |k: usize| (k / n - first_row) * columns + k % n - first;
             let low = (j - first_row) * columns + i - first;
-            if !is_square(surface, corners) {
+            if !surface.is_square(corners) {
                 for (triangle, weight) in sheet.cell_triangles(i, j) {
-                    let rest = Rest::new(surface.triangle(triangle), weight);
+                    let rest = Rest::new(surface, triangle, weight);
                     let pulls = triangle_forces(law, &rest, triangle.map(|k| x[k]));
                     for (k, pull) in triangle.into_iter().zip(pulls) {
                         forces[at(k)] += pull;
@@ -233,10 +232,8 @@ fn accumulate(
             let mut blocks = [DMat3::ZERO; 10];
             for local in triangles {
                 let nodes = local.map(|c| corners[c]);
-                let rest_points = surface.triangle(nodes);
                 let mut triangle = Triangle {
-                    rest: Rest::new(rest_points, weight),
-                    rest_points,
+                    rest: Rest::new(surface, nodes, weight),
                     x: nodes.map(|k| x[k]),
                     forces: [DVec3::ZERO; 3],
                     blocks: hessian.as_ref().map(|(kind, _)| (*kind, local, &mut blocks)),
@@ -270,7 +267,6 @@ fn accumulate(
 /// A triangle being added up.
 struct Triangle<'a> {
     rest: Rest,
-    rest_points: [DVec2; 3],
     x: [DVec3; 3],
     forces: [DVec3; 3],
     /// Which Hessian, the triangle's corners in its cell, the cell's blocks.
@@ -332,7 +328,7 @@ impl Triangle<'_> {
 
     fn add_paper(&mut self, law: &PaperLaw) -> (f64, bool) {
         let (mut energy, mut outside) = (0.0, false);
-        for s in springs(&self.rest, self.rest_points, self.x) {
+        for s in springs(&self.rest, self.x) {
             let strain = s.strain();
             let table = s.table(law);
             outside |= strain > table.end();
@@ -395,9 +391,9 @@ impl SpringShare {
 ///
 /// Widths: in a square cell L/2 for every spring (the paper); with the triangle's area A, an edge
 /// of length l has A/l and the diagonal √2·A/l, which is the same there and fits the border.
-fn springs(rest: &Rest, points: [DVec2; 3], x: [DVec3; 3]) -> [SpringShare; 3] {
+fn springs(rest: &Rest, x: [DVec3; 3]) -> [SpringShare; 3] {
     [(0, 1, false), (0, 2, false), (1, 2, true)].map(|(a, b, is_diagonal)| {
-        let rest_length = points[a].distance(points[b]);
+        let rest_length = rest.corners[a].distance(rest.corners[b]);
         let share = if is_diagonal { std::f64::consts::SQRT_2 } else { 1.0 };
         SpringShare {
             ends: (a, b),

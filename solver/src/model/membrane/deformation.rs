@@ -122,13 +122,6 @@ fn contribution([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
     }
 }
 
-/// Are all corners of the cell free? Such a cell is a square at rest.
-#[inline]
-pub(crate) fn is_square(surface: Surface, corners: [usize; 4]) -> bool {
-    let kinds = surface.sheet().kinds();
-    surface.is_even() && corners.iter().all(|&k| kinds[k] == NodeKind::Free)
-}
-
 /// The edges of a deformed square cell over the spacing: bottom, top, left, right. The columns of F
 /// in the k-th of [`CELL_TRIANGLES`](crate::mesh::CELL_TRIANGLES) are `(top, right)`, `(top, left)`, `(bottom, left)`,
 /// `(bottom, right)`.
@@ -177,9 +170,9 @@ impl Deformation {
                 let at = |k: usize| (k / n - first_row) * columns + k % n - first;
                 let low = (j - first_row) * columns + i - first;
                 let corners = sheet.corners(i, j);
-                if !is_square(surface, corners) {
+                if !surface.is_square(corners) {
                     for (triangle, weight) in sheet.cell_triangles(i, j) {
-                        let rest = Rest::new(surface.triangle(triangle), weight);
+                        let rest = Rest::new(surface, triangle, weight);
                         let columns = Principal::columns(&rest, triangle.map(|k| x[k]));
                         let added = contribution(columns, rest.area);
                         triangle.into_iter().for_each(|k| nodes[at(k)] += added);

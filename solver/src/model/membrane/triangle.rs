@@ -1,22 +1,25 @@
 //! A triangle at rest and its principal stretches.
 
+use crate::mesh::Surface;
 use glam::{DVec2, DVec3};
 
-/// A triangle at rest: weighted area \[mm²\] and the gradients of its nodes' hat functions \[1/mm\].
+/// The rest metric of a triangle: corners in a plane \[mm\], weighted area \[mm²\], gradients of the nodes' hat functions \[1/mm\].
 pub(crate) struct Rest {
+    pub(crate) corners: [DVec2; 3],
     pub(crate) area: f64,
     pub(crate) gradients: [DVec2; 3],
 }
 
 impl Rest {
     #[inline]
-    pub(crate) fn new(rest: [DVec2; 3], weight: f64) -> Self {
-        let (a, b) = (rest[1] - rest[0], rest[2] - rest[0]);
+    pub(crate) fn new(surface: Surface, nodes: [usize; 3], weight: f64) -> Self {
+        let corners = surface.triangle(nodes);
+        let (a, b) = (corners[1] - corners[0], corners[2] - corners[0]);
         let det = a.perp_dot(b);
         let inverse = 1.0 / det;
         let g1 = DVec2::new(b.y, -b.x) * inverse;
         let g2 = DVec2::new(-a.y, a.x) * inverse;
-        Self { area: 0.5 * det * weight, gradients: [-(g1 + g2), g1, g2] }
+        Self { corners, area: 0.5 * det * weight, gradients: [-(g1 + g2), g1, g2] }
     }
 }
 

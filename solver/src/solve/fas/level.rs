@@ -54,7 +54,7 @@ impl<M: ElasticModel> Level<M> {
         is_finest: bool,
         model: &M,
     ) -> Self {
-        let (mut layout, border) = Layout::new(nodes_per_side, mirrored);
+        let mut layout = Layout::new(nodes_per_side, mirrored);
         if !is_finest {
             layout.find_extrapolation();
         }
@@ -75,7 +75,7 @@ impl<M: ElasticModel> Level<M> {
             inverse: M::Stiffness::new(length, layers),
             active: vec![0.0; length],
             contact_offset: vec![0.0; length],
-            scratch: model.scratch(&layout, &border),
+            scratch: model.scratch(&layout),
             layout,
             rest: None,
             least_squares: f64::INFINITY,

@@ -13,7 +13,7 @@ use super::border::{Border, Four};
 use super::cell;
 use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
-use crate::mesh::lanes::{BorderTriangle, Field, Layout, load, store};
+use crate::mesh::lanes::{Field, Layout, load, store};
 use crate::mesh::vec3::dot;
 use crate::mesh::{Attachment, Cells, Rest};
 use crate::model::columns::ColumnBlocks;
@@ -72,8 +72,6 @@ struct CellLayer {
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     skin: SkinScratch,
-    /// The layout of the layer that carries the skin.
-    outer: Layout,
     border: Border,
     shapes: Shapes,
     /// May the cells of each layer have four points? As a mask.
@@ -159,10 +157,9 @@ impl ElasticModel for Layered {
         self.cells.len() + 1
     }
 
-    fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Scratch {
-        let (outer, skin) = self.flat_skin(layout, border);
+    fn scratch(&self, layout: &Layout) -> Scratch {
         Scratch {
-            skin,
+            skin: SkinScratch::new(layout, layout.plane().membrane(), self.cells.len()),
             border: Border::new(layout),
             shapes: Shapes::default(),
             points: vec![f32x4::ZERO; self.cells.len()],
@@ -172,7 +169,6 @@ impl ElasticModel for Layered {
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
             rest: None,
-            outer,
         }
     }
 
@@ -210,13 +206,13 @@ impl ElasticModel for Layered {
             return;
         }
         if !is_same_rest {
-            if let Some(rest) = rest {
+            let top = self.cells.len();
+            scratch.skin = if let Some(rest) = rest {
                 scratch.shapes = Shapes::Curved(Box::new(CurvedLayers::new(layout, rest)));
-                (scratch.outer, scratch.skin) = self.curved_skin(layout, rest);
+                SkinScratch::new(layout, rest.membrane(), top)
             } else {
-                let (layout, border) = Layout::new(layout.nodes_per_side, layout.mirrored);
-                (scratch.outer, scratch.skin) = self.flat_skin(&layout, &border);
-            }
+                SkinScratch::new(layout, layout.plane().membrane(), top)
+            };
             scratch.rest = rest.cloned();
         }
         scratch.geometry = Some(geometry);
@@ -247,7 +243,7 @@ impl ElasticModel for Layered {
     }
 
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
-        self.skin.forces(&scratch.outer, u, f, &mut scratch.skin);
+        self.skin.forces(layout, u, f, &mut scratch.skin);
         of_shapes!(&scratch.shapes, shapes => self.add_cells(layout, shapes, u, f, scratch));
         Self::add_attachment(layout, u, f, scratch);
         of_shapes!(&scratch.shapes, shapes => self.add_border(layout, shapes, u, f, scratch));
@@ -255,7 +251,7 @@ impl ElasticModel for Layered {
 
     fn blocks(&self, layout: &Layout, u: &Field, blocks: &mut ColumnBlocks, scratch: &mut Scratch) {
         blocks.fill_zero();
-        self.skin.blocks(&scratch.outer, u, &mut blocks.diagonal, &mut scratch.skin);
+        self.skin.blocks(layout, u, &mut blocks.diagonal, &mut scratch.skin);
         let spacing = scratch.geometry.as_ref().map_or(1.0, |geometry| geometry.spacing);
         for (cells, limit) in self.cells.iter().zip(&mut blocks.limits) {
             *limit = (MAX_COMPRESSION * cells.height / spacing) as f32;
@@ -267,7 +263,7 @@ impl ElasticModel for Layered {
     }
 
     fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Scratch) -> Tension {
-        let mut tension = self.skin.tension(&scratch.outer, u, &mut scratch.skin);
+        let mut tension = self.skin.tension(layout, u, &mut scratch.skin);
         of_shapes!(&scratch.shapes, shapes => {
             self.add_tension(layout, shapes, u, scratch, &mut tension);
         });
@@ -313,28 +309,6 @@ impl ElasticModel for Layered {
 }
 
 impl Layered {
-    /// The layout of the layer that carries the skin, and the skin over a flat wall; the triangles are those at the border.
-    fn flat_skin(&self, layout: &Layout, border: &[BorderTriangle]) -> (Layout, SkinScratch) {
-        let outer = layout.of_layer(self.cells.len());
-        let shift = outer.origin() as u32;
-        let shifted = |triangle: &BorderTriangle| BorderTriangle {
-            nodes: triangle.nodes.map(|k| k + shift),
-            ..*triangle
-        };
-        let triangles: Vec<BorderTriangle> = border.iter().map(shifted).collect();
-        let skin = self.skin.scratch(&outer, &triangles);
-        (outer, skin)
-    }
-
-    /// [`Self::flat_skin`] over a curved wall, where all triangles have rest shapes of their own.
-    fn curved_skin(&self, layout: &Layout, rest: &Rest) -> (Layout, SkinScratch) {
-        let outer = layout.of_layer(self.cells.len());
-        let triangles = outer.own_triangles(rest, self.cells.len());
-        let outer = outer.without_regular_cells();
-        let skin = self.skin.scratch(&outer, &triangles);
-        (outer, skin)
-    }
-
     /// Adds the forces of the cells at the border.
     fn add_border(
         &self,

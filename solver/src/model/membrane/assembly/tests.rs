@@ -5,6 +5,7 @@ use crate::curve::{Curve, CurveSpec};
 use crate::mesh::{Rest, Sheet};
 use crate::springs::Material;
 use crate::springs::Springs;
+use glam::DVec2;
 
 fn materials() -> Vec<Material> {
     let layer = |spec: &CurveSpec, poisson_ratio, thickness_mm| {

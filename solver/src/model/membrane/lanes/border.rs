@@ -1,10 +1,10 @@
-//! Triangles whose rest shapes are not those of the grid, at the border or on a curved surface, four at a time.
+//! Triangles with rest metrics of their own, at the border or on a surface that is not even, four at a time.
 //!
 //! Such triangles are few but scattered: their nodes are gathered first, one vector each, so that four triangles
 //! read and write whole vectors.
 
 use super::coupled::{CoupledLanes, Law};
-use crate::mesh::lanes::{BorderTriangle, Field};
+use crate::mesh::lanes::{Field, OwnTriangle};
 use crate::mesh::vec3::{Block, Vec3, add, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::node_stiffness;
@@ -24,7 +24,7 @@ pub(super) struct Border {
 pub(super) struct Four {
     /// Each triangle's three corners: places in [`Border::nodes`].
     pub(super) corners: [[u32; 4]; 3],
-    /// The two edges from the first corner at rest.
+    /// The two edges from the first corner without displacement.
     pub(super) edges: [Vec3; 2],
     /// G⁻¹: 11, 12, 22.
     inverse_metric: [f32x4; 3],
@@ -73,18 +73,21 @@ pub(super) fn gathered(u: &[f32x4], places: &[u32; 4]) -> Vec3 {
 
 impl Four {
     /// Of one to four triangles; `place` is the place of a stored node among the border's.
-    fn new(triangles: &[BorderTriangle], place: impl Fn(u32) -> u32) -> Self {
+    fn new(triangles: &[OwnTriangle], place: impl Fn(u32) -> u32) -> Self {
         let mut corners = [[0_u32; 4]; 3];
         let mut numbers = [[0.0_f32; 4]; 11];
         for lane in 0..4 {
             // Unused lanes repeat the last triangle without weight.
-            let BorderTriangle { nodes, rest, weight } = triangles[lane.min(triangles.len() - 1)];
+            let OwnTriangle { nodes, places, rest, weight } =
+                triangles[lane.min(triangles.len() - 1)];
             let weight = if lane < triangles.len() { weight } else { 0.0 };
-            let [a, b, c] = rest;
+            let [a, b, c] = places;
             let (e1, e2) = (b - a, c - a);
-            let double_area = e1.cross(e2).length();
+            let [a, b, c] = rest;
+            let (r1, r2) = (b - a, c - a);
+            let double_area = r1.perp_dot(r2);
             let det = double_area.powi(2);
-            let (g11, g12, g22) = (e1.length_squared(), e1.dot(e2), e2.length_squared());
+            let (g11, g12, g22) = (r1.length_squared(), r1.dot(r2), r2.length_squared());
             let all = [
                 e1.x,
                 e1.y,
@@ -154,7 +157,7 @@ impl Four {
 }
 
 impl Border {
-    pub(super) fn new(triangles: &[BorderTriangle]) -> Self {
+    pub(super) fn new(triangles: &[OwnTriangle]) -> Self {
         let mut nodes: Vec<u32> = triangles.iter().flat_map(|triangle| triangle.nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();

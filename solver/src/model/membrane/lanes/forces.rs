@@ -6,7 +6,7 @@
 
 use super::Scratch;
 use super::coupled::{CoupledLanes, Law};
-use crate::mesh::lanes::{CellRow, Field, Layout, shifted_right};
+use crate::mesh::lanes::{CellRow, Field, shifted_right};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::add_stretch;
@@ -98,25 +98,18 @@ impl Cells {
 }
 
 /// −∂E/∂u of every stored node; entries of ghost and clamped nodes are unspecified.
-pub(super) fn forces(
-    layout: &Layout,
-    law: &CoupledLanes,
-    u: &Field,
-    f: &mut Field,
-    scratch: &mut Scratch,
-) {
+pub(super) fn forces(law: &CoupledLanes, u: &Field, f: &mut Field, scratch: &mut Scratch) {
     match law.groups() {
-        [one] => all_forces(layout, one, u, f, scratch),
-        many => all_forces(layout, many, u, f, scratch),
+        [one] => all_forces(one, u, f, scratch),
+        many => all_forces(many, u, f, scratch),
     }
 }
 
 fn all_forces<L: Law + ?Sized>(
-    layout: &Layout,
     law: &L,
     u: &Field,
     f: &mut Field,
-    Scratch { border, on_border, row }: &mut Scratch,
+    Scratch { layout, border, on_border, row }: &mut Scratch,
 ) {
     f.fill_zero();
     for cells in layout.cell_rows() {
@@ -229,11 +222,10 @@ fn pull_row(
 ///
 /// The stiffness is taken at the middle of each cell: around a node the differences cancel.
 pub(super) fn blocks(
-    layout: &Layout,
     law: &CoupledLanes,
     u: &Field,
     blocks: &mut NodeBlocks,
-    Scratch { border, on_border, .. }: &mut Scratch,
+    Scratch { layout, border, on_border, .. }: &mut Scratch,
 ) {
     blocks.fill_zero();
     for cells in layout.cell_rows() {

@@ -10,7 +10,8 @@ mod paper;
 mod tension;
 
 use super::law::SheetLaw;
-use crate::mesh::lanes::{BorderTriangle, Field, Layout};
+use crate::mesh::Surface;
+use crate::mesh::lanes::{Field, Layout};
 use crate::model::{ElasticModel, NodeBlocks, Tension};
 use border::{Border, BorderScratch};
 use coupled::CoupledLanes;
@@ -34,12 +35,29 @@ impl Membrane {
     }
 }
 
-/// The border of a grid and the intermediate values of an evaluation of the forces.
+/// The triangles of a grid and the intermediate values of an evaluation of the forces.
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
+    /// With the regular cells of the surface at rest.
+    layout: Layout,
+    /// All other triangles.
     border: Border,
     on_border: BorderScratch,
     row: Vec<CellLanes>,
+}
+
+impl Scratch {
+    /// Of a layer of nodes that is this surface at rest.
+    pub(crate) fn new(layout: &Layout, surface: Surface, layer: usize) -> Self {
+        let (layout, triangles) = layout.of_surface(surface, layer);
+        let border = Border::new(&triangles);
+        Self {
+            on_border: BorderScratch::new(&border),
+            border,
+            row: vec![CellLanes::default(); layout.pitch / 4 + 1],
+            layout,
+        }
+    }
 }
 
 impl ElasticModel for Membrane {
@@ -50,33 +68,28 @@ impl ElasticModel for Membrane {
         1
     }
 
-    fn scratch(&self, layout: &Layout, border: &[BorderTriangle]) -> Scratch {
-        let border = Border::new(border);
-        Scratch {
-            on_border: BorderScratch::new(&border),
-            border,
-            row: vec![CellLanes::default(); layout.pitch / 4 + 1],
+    fn scratch(&self, layout: &Layout) -> Scratch {
+        Scratch::new(layout, layout.plane().membrane(), 0)
+    }
+
+    fn forces(&self, _layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
+        match self {
+            Self::Coupled(law) => forces::forces(law, u, f, scratch),
+            Self::Paper(law) => paper::forces(law, u, f, scratch),
         }
     }
 
-    fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
+    fn blocks(&self, _layout: &Layout, u: &Field, blocks: &mut NodeBlocks, scratch: &mut Scratch) {
         match self {
-            Self::Coupled(law) => forces::forces(layout, law, u, f, scratch),
-            Self::Paper(law) => paper::forces(layout, law, u, f, scratch),
+            Self::Coupled(law) => forces::blocks(law, u, blocks, scratch),
+            Self::Paper(law) => paper::blocks(law, u, blocks, scratch),
         }
     }
 
-    fn blocks(&self, layout: &Layout, u: &Field, blocks: &mut NodeBlocks, scratch: &mut Scratch) {
+    fn tension(&self, _layout: &Layout, u: &Field, scratch: &mut Scratch) -> Tension {
         match self {
-            Self::Coupled(law) => forces::blocks(layout, law, u, blocks, scratch),
-            Self::Paper(law) => paper::blocks(layout, law, u, blocks, scratch),
-        }
-    }
-
-    fn tension(&self, layout: &Layout, u: &Field, scratch: &mut Scratch) -> Tension {
-        match self {
-            Self::Coupled(law) => tension::tension(layout, law, u, scratch),
-            Self::Paper(law) => paper::tension(layout, law, u),
+            Self::Coupled(law) => tension::tension(law, u, scratch),
+            Self::Paper(law) => paper::tension(law, u, scratch),
         }
     }
 

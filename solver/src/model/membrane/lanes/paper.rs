@@ -187,11 +187,10 @@ impl Border {
 
 /// −∂E/∂u of every stored node; entries of ghost and clamped nodes are unspecified.
 pub(super) fn forces(
-    layout: &Layout,
     law: &LaneSprings,
     u: &Field,
     f: &mut Field,
-    Scratch { border, on_border, .. }: &mut Scratch,
+    Scratch { layout, border, on_border, .. }: &mut Scratch,
 ) {
     f.fill_zero();
     springs(layout, u, |[from, to], spring, now, counts| {
@@ -206,11 +205,10 @@ pub(super) fn forces(
 
 /// The diagonal blocks of the stiffness; entries of nodes that are not free are unspecified.
 pub(super) fn blocks(
-    layout: &Layout,
     law: &LaneSprings,
     u: &Field,
     blocks: &mut NodeBlocks,
-    Scratch { border, on_border, .. }: &mut Scratch,
+    Scratch { layout, border, on_border, .. }: &mut Scratch,
 ) {
     blocks.fill_zero();
     springs(layout, u, |ends, spring, now, counts| {
@@ -223,9 +221,9 @@ pub(super) fn blocks(
 }
 
 /// The tension of the springs of whole cells: the sum of squares of their forces.
-pub(super) fn tension(layout: &Layout, law: &LaneSprings, u: &Field) -> Tension {
+pub(super) fn tension(law: &LaneSprings, u: &Field, scratch: &Scratch) -> Tension {
     let mut sum = 0.0;
-    springs(layout, u, |_, spring, now, counts| {
+    springs(&scratch.layout, u, |_, spring, now, counts| {
         let pull = law.pull(spring, Rest::regular(spring), now);
         sum += f64::from((dot(pull, pull) & counts).reduce_add());
     });

@@ -3,21 +3,20 @@
 use super::Scratch;
 use super::coupled::{CoupledLanes, Law};
 use super::forces::{Row, measure_row};
-use crate::mesh::lanes::{Field, Layout};
+use crate::mesh::lanes::Field;
 use crate::model::Tension;
 use crate::springs::closed_form::spread;
 
 /// The tension of the whole cells: what the sheet pulls at the two edges B and L of every cell, squared.
 pub(super) fn tension(
-    layout: &Layout,
     law: &CoupledLanes,
     u: &Field,
-    scratch: &mut Scratch,
+    Scratch { layout, border, on_border, row }: &mut Scratch,
 ) -> Tension {
     let mut sum = 0.0;
     for counted in layout.cell_rows() {
         let (start, count) = (counted.start, counted.groups);
-        let row = &mut scratch.row[..count];
+        let row = &mut row[..count];
         let lower = Row::new(u, start, count + 1);
         measure_row(lower, Row::new(u, start + layout.pitch, count + 1), row);
         for (b, cells) in row.iter().enumerate() {
@@ -33,8 +32,8 @@ pub(super) fn tension(
         }
     }
     if layout.cell_rows().next().is_none() {
-        // A curved surface has no regular cells.
-        sum = scratch.border.squares(law.groups(), u, &mut scratch.on_border);
+        // Only a surface that is even has regular cells.
+        sum = border.squares(law.groups(), u, on_border);
     }
     Tension { squares: sum, ..Tension::default() }
 }
