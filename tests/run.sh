@@ -75,8 +75,8 @@ run_step() {
 run_beside() {
   run page build_page
   # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
-  run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 wasm-pack test --headless --chrome --chromedriver "$(command -v chromedriver)" \
-    --mode no-install . --locked --no-default-features --features js-api --test wasm
+  run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 CHROMEDRIVER="$(command -v chromedriver)" \
+    cargo test --locked "${WASM[@]}" --no-default-features --features js-api --test wasm
   run python test_python
 }
 
