@@ -2,14 +2,14 @@
 
 use super::{Problem, Tissue};
 use crate::contact::{Dome, HalfBall, Obstacle};
-use crate::curve::{Curve, CurveSpec, Fat};
+use crate::curve::{CurveSpec, Fat};
 use crate::mesh::{Attachment, Edge, Patch, Rest, Sheet};
 use crate::springs::{Material, Springs};
 use glam::DVec2;
 
 /// A layer of 2 mm.
 pub(crate) fn layer(curve: &CurveSpec, poisson_ratio: f64) -> Material {
-    Material::new(Curve::new(curve).unwrap(), poisson_ratio, 2.0)
+    Material::of(curve, poisson_ratio, 2.0)
 }
 
 /// A sheet over a half-ball of 55 mm, to an error of 1e-3.

@@ -20,7 +20,16 @@ impl Material {
     /// A layer with the curve's law.
     #[must_use]
     pub fn new(curve: Curve, poisson_ratio: f64, thickness_mm: f64) -> Self {
-        Self { curve, poisson_ratio, thickness_mm, solid: SolidKind::default() }
+        Self { curve, poisson_ratio, thickness_mm, solid: SolidKind::Curve }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of(
+        spec: &crate::curve::CurveSpec,
+        poisson_ratio: f64,
+        thickness_mm: f64,
+    ) -> Self {
+        Self::new(Curve::new(spec).unwrap(), poisson_ratio, thickness_mm)
     }
 
     /// What determines the law of a solid: all but the thickness.

@@ -225,7 +225,7 @@ fn polynomial<R: Real>([a, b, c, d, e]: &[f64; 5], x: R) -> (R, R) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curve::{Curve, CurveSpec};
+    use crate::curve::CurveSpec;
     use crate::model::layered::cell;
     use crate::model::layered::modes::Modes;
     use crate::model::layered::shape::Plain;
@@ -287,7 +287,7 @@ mod tests {
 
     /// All laws of a curve.
     fn laws(spec: &CurveSpec, poisson_ratio: f64) -> impl Iterator<Item = ExactLaw> {
-        let material = Material::new(Curve::new(spec).unwrap(), poisson_ratio, 1.0);
+        let material = Material::of(spec, poisson_ratio, 1.0);
         let law = move |&solid| ExactLaw::new(&Material { solid, ..material.clone() });
         SolidKind::ALL.iter().map(law)
     }

@@ -287,7 +287,7 @@ impl NodeModes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curve::{Curve, CurveSpec};
+    use crate::curve::CurveSpec;
     use crate::mesh::{Attachment, Chest, NodeKind, Rest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::springs::Material;
@@ -306,7 +306,7 @@ mod tests {
     fn check_tangent(chest: Chest, solid: SolidKind) {
         let material = |spec: CurveSpec, poisson_ratio: f64, thickness_mm: f64| Material {
             solid,
-            ..Material::new(Curve::new(&spec).unwrap(), poisson_ratio, thickness_mm)
+            ..Material::of(&spec, poisson_ratio, thickness_mm)
         };
         let materials = [
             // Nearly no skin: the skin's Hessian is tested by itself.

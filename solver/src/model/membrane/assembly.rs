@@ -6,12 +6,11 @@
 //! eigensystems for isotropic distortion energies", ACM TOG 38(1), 2019), so that negative
 //! stiffness can be left out of the Hessian mode by mode. Forces are exact.
 
-use super::deformation::square_edges;
 use super::law::{PaperLaw, SheetLaw};
-use super::triangle::{Principal, Rest};
+use super::triangle::{Principal, Rest, sums};
+use crate::mesh::Surface;
 use crate::mesh::part::Part;
 use crate::mesh::stencil::{BlockStencil9, outer};
-use crate::mesh::{CellKind, Surface};
 use crate::springs::coupled::CoupledLaw;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
@@ -129,71 +128,26 @@ pub(crate) fn forces_at(
     part: Part,
     wanted: &[bool],
 ) -> Vec<DVec3> {
-    match law {
-        SheetLaw::Coupled(law) => coupled_forces(surface, law, x, part, wanted),
-        SheetLaw::Paper(_) => {
-            let mut all = vec![DVec3::ZERO; surface.sheet().len()];
-            forces(surface, law, x, &mut all);
-            part.nodes().map(|k| all[k]).collect()
-        }
-    }
-}
-
-fn coupled_forces(
-    surface: Surface,
-    law: &CoupledLaw,
-    x: &[DVec3],
-    part: Part,
-    wanted: &[bool],
-) -> Vec<DVec3> {
-    let sheet = surface.sheet();
-    let n = sheet.nodes_per_side();
-    // With a margin for the nodes across an axis of symmetry, whose forces are not used.
-    let [first, first_row] = part.first_cell();
-    let (columns, rows) = (n - first, n - first_row);
-    let mut forces = vec![DVec3::ZERO; columns * rows];
-    let spacing = sheet.spacing_mm();
-    for j in first_row..n - 1 {
-        let (from, to) = sheet.cell_span(j);
-        for i in from.max(first)..to {
-            let corners = sheet.corners(i, j);
-            let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
-            let is_wanted = |&(i, j): &(usize, usize)| wanted[part.index_at(i, j)];
-            if sheet.cell(i, j) == CellKind::Outside || !around.iter().any(is_wanted) {
-                continue;
-            }
-            let at = |k: usize| (k / n - first_row) * columns + k % n - first;
-            let low = (j - first_row) * columns + i - first;
-            if !surface.is_square(corners) {
-                for (triangle, weight) in sheet.cell_triangles(i, j) {
-                    let rest = Rest::new(surface, triangle, weight);
-                    let pulls = triangle_forces(law, &rest, triangle.map(|k| x[k]));
-                    for (k, pull) in triangle.into_iter().zip(pulls) {
-                        forces[at(k)] += pull;
-                    }
-                }
-                continue;
-            }
-            let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), 1.0 / spacing);
-            let mut pulls = [[top, right], [top, left], [bottom, left], [bottom, right]];
-            for columns in &mut pulls {
-                *columns = tensions(law, *columns);
-            }
-            let [[along0, across0], [along1, across1], [along2, across2], [along3, across3]] =
-                pulls;
-            // Each edge pulls its two ends together; A/h of a triangle of half weight is h/4.
-            let quarter = 0.25 * spacing;
-            let (bottom, top) = ((along2 + along3) * quarter, (along0 + along1) * quarter);
-            let (left, right) = ((across1 + across2) * quarter, (across0 + across3) * quarter);
-            forces[low] += bottom + left;
-            forces[low + 1] += right - bottom;
-            forces[low + columns + 1] -= top + right;
-            forces[low + columns] += top - left;
-        }
-    }
-    let [margin, margin_row] = [0, 1].map(|k| part.first()[k] - part.first_cell()[k]);
-    let own = forces.chunks_exact(columns).skip(margin_row);
-    own.flat_map(|row| &row[margin..]).copied().collect()
+    let SheetLaw::Coupled(law) = law else {
+        let mut all = vec![DVec3::ZERO; surface.sheet().len()];
+        forces(surface, law, x, &mut all);
+        return part.nodes().map(|k| all[k]).collect();
+    };
+    let is_wanted = |i: usize, j: usize| {
+        let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+        around.iter().any(|&(i, j)| wanted[part.index_at(i, j)])
+    };
+    // Each edge pulls its two ends together; A/h of a triangle of half weight is h/4.
+    let quarter = 0.25 * surface.sheet().spacing_mm();
+    let square = |[bottom, top, left, right]: [DVec3; 4]| {
+        let pulls = [[top, right], [top, left], [bottom, left], [bottom, right]];
+        let [[along0, across0], [along1, across1], [along2, across2], [along3, across3]] =
+            pulls.map(|columns| tensions(law, columns));
+        let (bottom, top) = ((along2 + along3) * quarter, (along0 + along1) * quarter);
+        let (left, right) = ((across1 + across2) * quarter, (across0 + across3) * quarter);
+        [bottom + left, right - bottom, -(top + right), top - left]
+    };
+    sums(surface, x, part, is_wanted, |rest, x| triangle_forces(law, rest, x), square)
 }
 
 /// Forces of a triangle on its nodes, −∂W/∂x = −A·P ∇φ.

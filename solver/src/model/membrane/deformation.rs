@@ -3,10 +3,10 @@
 //! One pass over the cells. On a square cell the columns of a triangle's deformation gradient F are two edges of
 //! the cell over the spacing; cells at the fitted border have gradients of their own.
 
-use super::triangle::{Principal, Rest};
+use super::triangle::{Principal, Rest, sums};
 use crate::contact::Dome;
 use crate::mesh::part::Part;
-use crate::mesh::{CellKind, NodeKind, Sheet, Surface};
+use crate::mesh::{NodeKind, Sheet, Surface};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, AddAssign};
 
@@ -122,15 +122,6 @@ fn contribution([f1, f2]: [DVec3; 2], rest_area: f64) -> Node {
     }
 }
 
-/// The edges of a deformed square cell over the spacing: bottom, top, left, right. The columns of F
-/// in the k-th of [`CELL_TRIANGLES`](crate::mesh::CELL_TRIANGLES) are `(top, right)`, `(top, left)`, `(bottom, left)`,
-/// `(bottom, right)`.
-#[inline]
-pub(crate) fn square_edges(corners: [DVec3; 4], per_spacing: f64) -> [DVec3; 4] {
-    let [a, b, c, d] = corners;
-    [(b - a) * per_spacing, (c - d) * per_spacing, (d - a) * per_spacing, (c - b) * per_spacing]
-}
-
 /// Stretch, normal and area at every node, from the triangles around it, weighted by area at rest:
 /// second-order accurate inside the sheet, first-order on its border. Of a symmetric shape the solved part alone is
 /// computed; other nodes are its mirror images.
@@ -152,50 +143,17 @@ impl Deformation {
 
     /// The deformation of a shape that the nodes of a part determine.
     pub(crate) fn of_part(surface: Surface, x: &[DVec3], part: Part) -> Self {
-        let sheet = surface.sheet();
-        let spacing = sheet.spacing_mm();
-        let (per_spacing, quarter) = (1.0 / spacing, 0.25 * spacing * spacing);
-        // The cells across an axis of symmetry add to their own nodes' mirror images as well: with a margin of nodes
-        // on the far side, no cell is a special case.
-        let [first, first_row] = part.first_cell();
-        let n = sheet.nodes_per_side();
-        let (columns, rows) = (n - first, n - first_row);
-        let mut nodes = vec![Node::default(); columns * rows];
-        for j in first_row..n - 1 {
-            let (from, to) = sheet.cell_span(j);
-            for i in from.max(first)..to {
-                if sheet.cell(i, j) == CellKind::Outside {
-                    continue;
-                }
-                let at = |k: usize| (k / n - first_row) * columns + k % n - first;
-                let low = (j - first_row) * columns + i - first;
-                let corners = sheet.corners(i, j);
-                if !surface.is_square(corners) {
-                    for (triangle, weight) in sheet.cell_triangles(i, j) {
-                        let rest = Rest::new(surface, triangle, weight);
-                        let columns = Principal::columns(&rest, triangle.map(|k| x[k]));
-                        let added = contribution(columns, rest.area);
-                        triangle.into_iter().for_each(|k| nodes[at(k)] += added);
-                    }
-                    continue;
-                }
-                let [bottom, top, left, right] = square_edges(corners.map(|k| x[k]), per_spacing);
-                let of = |columns: [DVec3; 2]| contribution(columns, quarter);
-                let upper = [of([top, right]), of([top, left])];
-                let lower = [of([bottom, left]), of([bottom, right])];
-                // The k-th triangle has no corner k.
-                let (above, below) = (upper[0] + upper[1], lower[0] + lower[1]);
-                nodes[low] += upper[1] + below;
-                nodes[low + 1] += upper[0] + below;
-                nodes[low + columns + 1] += above + lower[1];
-                nodes[low + columns] += above + lower[0];
-            }
-        }
-        let [margin, margin_row] = [0, 1].map(|k| part.first()[k] - part.first_cell()[k]);
-        if margin + margin_row > 0 {
-            let own = nodes.chunks_exact(columns).skip(margin_row);
-            nodes = own.flat_map(|row| &row[margin..]).copied().collect();
-        }
+        let quarter = 0.25 * surface.sheet().spacing_mm() * surface.sheet().spacing_mm();
+        let triangle = |rest: &Rest, x| [contribution(Principal::columns(rest, x), rest.area); 3];
+        let square = |[bottom, top, left, right]: [DVec3; 4]| {
+            let of = |columns: [DVec3; 2]| contribution(columns, quarter);
+            let upper = [of([top, right]), of([top, left])];
+            let lower = [of([bottom, left]), of([bottom, right])];
+            // The k-th triangle has no corner k.
+            let (above, below) = (upper[0] + upper[1], lower[0] + lower[1]);
+            [upper[1] + below, upper[0] + below, above + lower[1], above + lower[0]]
+        };
+        let mut nodes = sums(surface, x, part, |_, _| true, triangle, square);
         let principal = nodes
             .iter_mut()
             .map(|node| {

@@ -1,7 +1,9 @@
-//! A triangle at rest and its principal stretches.
+//! A triangle at rest and its principal stretches; sums over triangles.
 
-use crate::mesh::Surface;
+use crate::mesh::part::Part;
+use crate::mesh::{CellKind, Surface};
 use glam::{DVec2, DVec3};
+use std::ops::AddAssign;
 
 /// The rest metric of a triangle: corners in a plane \[mm\], weighted area \[mm²\], gradients of the nodes' hat functions \[1/mm\].
 pub(crate) struct Rest {
@@ -86,4 +88,55 @@ impl Principal {
 fn metric(f1: DVec3, f2: DVec3) -> (f64, f64, f64) {
     let (c11, c22) = (f1.length_squared(), f2.length_squared());
     (0.5 * (c11 + c22), 0.5 * (c11 - c22), f1.dot(f2))
+}
+
+/// Sums over the triangles around each node of a part, of the cells that are `wanted`. `triangle` returns what a triangle with
+/// these positions adds to its nodes, `square` what a square cell adds to its corners, from its edges over the spacing: bottom,
+/// top, left, right. The columns of F in the k-th of [`CELL_TRIANGLES`](crate::mesh::CELL_TRIANGLES) are
+/// `(top, right)`, `(top, left)`, `(bottom, left)`, `(bottom, right)`.
+#[inline]
+pub(crate) fn sums<T: Copy + Default + AddAssign>(
+    surface: Surface,
+    x: &[DVec3],
+    part: Part,
+    wanted: impl Fn(usize, usize) -> bool,
+    triangle: impl Fn(&Rest, [DVec3; 3]) -> [T; 3],
+    square: impl Fn([DVec3; 4]) -> [T; 4],
+) -> Vec<T> {
+    let sheet = surface.sheet();
+    let (n, per_spacing) = (sheet.nodes_per_side(), 1.0 / sheet.spacing_mm());
+    // The cells across an axis of symmetry add to their own nodes' mirror images as well: with a margin of nodes
+    // on the far side, no cell is a special case.
+    let [first, first_row] = part.first_cell();
+    let columns = n - first;
+    let mut sums = vec![T::default(); columns * (n - first_row)];
+    for j in first_row..n - 1 {
+        let (from, to) = sheet.cell_span(j);
+        for i in from.max(first)..to {
+            if sheet.cell(i, j) == CellKind::Outside || !wanted(i, j) {
+                continue;
+            }
+            let corners = sheet.corners(i, j);
+            if surface.is_square(corners) {
+                let [a, b, c, d] = corners.map(|k| x[k]);
+                let edges = [b - a, c - d, d - a, c - b].map(|edge| edge * per_spacing);
+                let low = (j - first_row) * columns + i - first;
+                let at = [low, low + 1, low + columns + 1, low + columns];
+                at.into_iter().zip(square(edges)).for_each(|(k, added)| sums[k] += added);
+                continue;
+            }
+            for (nodes, weight) in sheet.cell_triangles(i, j) {
+                let added = triangle(&Rest::new(surface, nodes, weight), nodes.map(|k| x[k]));
+                for (k, added) in nodes.into_iter().zip(added) {
+                    sums[(k / n - first_row) * columns + k % n - first] += added;
+                }
+            }
+        }
+    }
+    let [margin, margin_row] = [0, 1].map(|k| part.first()[k] - part.first_cell()[k]);
+    if margin + margin_row == 0 {
+        return sums;
+    }
+    let own = sums.chunks_exact(columns).skip(margin_row);
+    own.flat_map(|row| &row[margin..]).copied().collect()
 }

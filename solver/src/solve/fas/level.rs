@@ -301,7 +301,7 @@ impl<M: ElasticModel> Level<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curve::{Curve, CurveSpec};
+    use crate::curve::CurveSpec;
     use crate::mesh::{Attachment, Chest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::model::layered::exact::Exact;
@@ -315,11 +315,9 @@ mod tests {
     /// Forces in lanes of f32 equal the forces of the assembly in f64.
     #[test]
     fn lane_forces_equal_the_forces_of_the_assembly() {
-        let material = |spec: &CurveSpec, poisson_ratio| {
-            Material::new(Curve::new(spec).unwrap(), poisson_ratio, 2.0)
-        };
-        let skin = || material(&CurveSpec::Skin {}, 0.3);
-        let stacks = [vec![skin()], vec![skin(), material(&CurveSpec::Adipose {}, 0.45)]];
+        let skin = || Material::of(&CurveSpec::Skin {}, 0.3, 2.0);
+        let adipose = Material::of(&CurveSpec::Adipose {}, 0.45, 2.0);
+        let stacks = [vec![skin()], vec![skin(), adipose]];
         for (springs, materials) in [Springs::Coupled, Springs::Nikolaev]
             .into_iter()
             .flat_map(|s| stacks.clone().map(|m| (s, m)))
@@ -382,7 +380,7 @@ mod tests {
     fn compare_layered_forces(chest: Chest, solid: SolidKind) {
         let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
             solid,
-            ..Material::new(Curve::new(spec).unwrap(), poisson_ratio, thickness_mm)
+            ..Material::of(spec, poisson_ratio, thickness_mm)
         };
         let materials = [
             material(&CurveSpec::Skin {}, 0.45, 1.5),

@@ -3,21 +3,18 @@
 use super::convergence::Offsets;
 use super::*;
 use crate::contact::{Dome, HalfBall, Obstacle, Superellipse};
-use crate::curve::{Curve, CurveSpec};
+use crate::curve::CurveSpec;
 use crate::mesh::{Chest, Patch, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::model::membrane::lanes::Membrane;
 use crate::model::membrane::law::SheetLaw;
 use crate::solve::{Method, Options, Progress, Solver, Verdict, samples};
-use crate::springs::{Material, Springs};
+use crate::springs::Springs;
 use glam::{DVec2, DVec3};
 
 /// Every cycle of the finest grid without contact offsets lowers the energy, within rounding of f32.
 #[test]
 fn the_energy_falls_in_every_cycle() {
-    let material = |spec: &CurveSpec, poisson_ratio| {
-        Material::new(Curve::new(spec).unwrap(), poisson_ratio, 2.0)
-    };
     let (skin, adipose) = (CurveSpec::Skin {}, CurveSpec::Adipose {});
     for (center, projection, springs, layers) in [
         ([0.0, 0.0], 50.0, Springs::Coupled, vec![(&skin, 0.45), (&adipose, 0.3)]),
@@ -32,7 +29,7 @@ fn the_energy_falls_in_every_cycle() {
                 HalfBall::round(50.0, projection),
                 1.0,
             )),
-            materials: layers.into_iter().map(|(spec, nu)| material(spec, nu)).collect(),
+            materials: layers.into_iter().map(|(spec, nu)| samples::layer(spec, nu)).collect(),
             springs,
             tissue: crate::solve::Tissue::Sheet,
             tolerance: MEMBRANE.least_tolerance,

@@ -197,7 +197,7 @@ impl<R: Real, T: AsRef<Buckets<R>>> CurveLaw<R, T> {
 
 #[cfg(test)]
 mod tests {
-    use crate::curve::{Curve, CurveSpec};
+    use crate::curve::CurveSpec;
     use crate::springs::Material;
     use crate::springs::solids::{ExactLaw, SolidKind};
 
@@ -215,8 +215,7 @@ mod tests {
     fn uniaxial_tension_returns_the_curve_and_the_poisson_ratio() {
         for spec in curves() {
             for poisson_ratio in [0.0, 0.2, 1.0 / 3.0, 0.45, 0.48, 0.495] {
-                let curve = Curve::new(&spec).unwrap();
-                let material = Material::new(curve, poisson_ratio, 1.0);
+                let material = Material::of(&spec, poisson_ratio, 1.0);
                 let law = ExactLaw::new(&Material { solid: SolidKind::Curve, ..material.clone() });
                 for strain in [0.01, 0.1, 0.3, 0.6, 0.95, 1.4] {
                     let axial = 1.0 + strain;

@@ -95,7 +95,7 @@ macro_rules! laws_of_solids {
     };
 }
 
-// The list of the laws; the first is the default.
+// The list of the laws.
 laws_of_solids! { $
     /// Of the tissue's curve.
     Curve: CurveLaw<R, T>,
@@ -105,12 +105,6 @@ laws_of_solids! { $
 pub type ExactLaw = Solid<f64, Table>;
 /// A law in four f32 lanes.
 pub(crate) type LaneLaw = Solid<f32x4, Buckets<f32x4>>;
-
-impl Default for SolidKind {
-    fn default() -> Self {
-        Self::ALL[0]
-    }
-}
 
 /// J, at least [`LEAST_VOLUME`], and ln J.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Cells at rest over a curved wall, and principal values.
 
 use super::*;
-use crate::curve::{Curve, CurveSpec};
+use crate::curve::CurveSpec;
 use crate::mesh::Chest;
 use crate::springs::Material;
 
@@ -9,13 +9,10 @@ const CHEST: Chest = Chest::Curved { across_mm: 110.0, along_mm: 200.0 };
 const THICKNESS_MM: f64 = 14.0;
 
 fn law(skin_mm: f64) -> LayeredLaw {
-    let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| {
-        Material::new(Curve::new(spec).unwrap(), poisson_ratio, thickness_mm)
-    };
     let fat = CurveSpec::Exponential { scale_kpa: 2.0, rate: 3.0 };
     LayeredLaw::new(&[
-        material(&CurveSpec::Skin {}, 0.45, skin_mm),
-        material(&fat, 0.45, THICKNESS_MM),
+        Material::of(&CurveSpec::Skin {}, 0.45, skin_mm),
+        Material::of(&fat, 0.45, THICKNESS_MM),
     ])
 }
 

@@ -8,10 +8,10 @@ use crate::springs::Springs;
 use glam::DVec2;
 
 fn materials() -> Vec<Material> {
-    let layer = |spec: &CurveSpec, poisson_ratio, thickness_mm| {
-        Material::new(Curve::new(spec).unwrap(), poisson_ratio, thickness_mm)
-    };
-    vec![layer(&CurveSpec::Skin {}, 0.45, 1.5), layer(&CurveSpec::Adipose {}, 0.3, 10.0)]
+    vec![
+        Material::of(&CurveSpec::Skin {}, 0.45, 1.5),
+        Material::of(&CurveSpec::Adipose {}, 0.3, 10.0),
+    ]
 }
 
 /// A sheet in tension, bulged and bumpy.
