@@ -38,7 +38,7 @@ use crate::springs::{Material, Springs};
 use fas::Stop;
 use glam::DVec3;
 use multigrid::{Law, Multigrid};
-use newton::{Mirrors, Start};
+use newton::Start;
 use newton_method::NewtonMethod;
 use std::sync::Arc;
 
@@ -241,15 +241,12 @@ impl Solver {
 
     fn start_newton(&mut self, start: Start) {
         self.stage = Stage::Newton;
-        // The paper's springs may have an asymmetric equilibrium.
-        let is_symmetric = self.options.use_symmetry && self.problem.springs == Springs::Coupled;
-        let mirrors = if is_symmetric { Mirrors::OfDome } else { Mirrors::None };
         let (problem, law) = (&*self.problem, &self.law);
         let factor = self.options.work_limit_factor;
         let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
         match start {
-            Start::Cold => newton.start_cold(problem, law, mirrors),
-            Start::FromSolution => newton.start_from((&self.x, &self.outer), problem, law, mirrors),
+            Start::Cold => newton.start_cold(problem, law),
+            Start::FromSolution => newton.start_from((&self.x, &self.outer), problem, law),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::Problem;
 use super::multigrid::Law;
-use super::newton::{LayeredSystem, Mirrors, NestedNewton, SheetSystem, State};
+use super::newton::{LayeredSystem, NestedNewton, SheetSystem, State};
 use super::validity::Invalid;
 use glam::DVec3;
 
@@ -42,8 +42,8 @@ impl NewtonMethod {
     }
 
     /// Starts on the coarsest grid, of a sheet from the initial guess, of layered tissue from rest under a rising dome.
-    pub(super) fn start_cold(&mut self, problem: &Problem, law: &Law, mirrors: Mirrors) {
-        delegate!(self, law, newton => newton.start_cold(law, problem, mirrors));
+    pub(super) fn start_cold(&mut self, problem: &Problem, law: &Law) {
+        delegate!(self, law, newton => newton.start_cold(law, problem));
     }
 
     /// Starts from the positions of the inner face and of the layers of nodes above.
@@ -52,9 +52,8 @@ impl NewtonMethod {
         shape: (&[DVec3], &[Vec<DVec3>]),
         problem: &Problem,
         law: &Law,
-        mirrors: Mirrors,
     ) {
-        delegate!(self, law, newton => newton.start_from(shape, law, problem, mirrors));
+        delegate!(self, law, newton => newton.start_from(shape, law, problem));
     }
 
     pub(super) fn step(&mut self, problem: &Problem, law: &Law) -> State {

@@ -111,8 +111,8 @@ const MAX_NEWTON_CELLS: usize = 60_000;
 pub struct Options {
     /// The method.
     pub method: Method,
-    /// Solve a centred dome on one quarter of the sheet, a dome moved along an axis on half of the sheet; Newton's
-    /// method symmetrises its steps.
+    /// Solve a centred dome on one quarter of the sheet, a dome moved along an axis on half of the sheet, by
+    /// multigrid.
     pub use_symmetry: bool,
     /// A position error \[base radius\] at which [`super::Solver::advance`] returns once with a draft, if the
     /// tolerance is smaller. Pauses before display the solution of a coarser grid.

@@ -22,9 +22,6 @@ pub(in crate::solve) struct Trial {
 impl<S: System> Newton<S> {
     /// Tries the step at a length; accepts the step if the energy falls, else halves the length.
     pub(super) fn line_search(&mut self, case: &Case<S::Law>, length: f64, halvings: u32) -> State {
-        if halvings == 0 {
-            S::begin_line_search(self);
-        }
         let trial = self.try_step(case, length, halvings);
         if !trial.is_descent {
             let is_uphill = self.system.is_uphill(&trial);

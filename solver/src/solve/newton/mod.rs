@@ -30,7 +30,7 @@ use glam::{DMat3, DVec3};
 pub(super) use layered::LayeredSystem;
 use line_search::Trial;
 pub(super) use nested::{NestedNewton, Start};
-pub(super) use sheet::{Mirrors, SheetSystem};
+pub(super) use sheet::SheetSystem;
 use system::System;
 
 /// One vector a node, shape (layers, nodes_per_side²).
@@ -56,8 +56,6 @@ pub(super) struct Case<'a, L> {
     obstacle: Obstacle,
     /// Tolerance of positions \[mm\].
     tolerance: f64,
-    /// Symmetries of a sheet's solution.
-    mirrors: Mirrors,
 }
 
 /// The grid's nodes.

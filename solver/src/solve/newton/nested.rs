@@ -1,7 +1,7 @@
 //! Newton's method on nested grids: each grid starts from the prolongated solution of the coarser grid. On the coarsest
 //! grid the dome may rise step by step.
 
-use super::{Case, Mirrors, Newton, Problem, State, System, prolongation};
+use super::{Case, Newton, Problem, State, System, prolongation};
 use crate::contact::Obstacle;
 use crate::solve::validity::{self, Invalid};
 use glam::DVec3;
@@ -24,7 +24,6 @@ pub(in crate::solve) struct NestedNewton<S: System> {
     start: Start,
     /// Part of the dome's height above the wall that stands on the coarsest grid \[-\].
     raised: f64,
-    mirrors: Mirrors,
     checks: S::Checks,
     /// Work on all grids after which the solve ends, in the unit of [`Self::work_units`].
     max_work: f64,
@@ -49,7 +48,6 @@ impl<S: System> NestedNewton<S> {
             grid: 0,
             start: Start::Cold,
             raised: 1.0,
-            mirrors: Mirrors::None,
             checks: S::Checks::default(),
             max_work: S::PARAMETERS.work_of_all_grids.of(elements) * work_limit_factor,
             scaled: Vec::new(),
@@ -57,13 +55,7 @@ impl<S: System> NestedNewton<S> {
     }
 
     /// Starts from the first guess on the coarsest grid.
-    pub(in crate::solve) fn start_cold(
-        &mut self,
-        law: &S::Law,
-        problem: &Problem,
-        mirrors: Mirrors,
-    ) {
-        self.mirrors = mirrors;
+    pub(in crate::solve) fn start_cold(&mut self, law: &S::Law, problem: &Problem) {
         self.start = Start::Cold;
         self.checks = S::Checks::default();
         self.grid = 0;
@@ -79,9 +71,7 @@ impl<S: System> NestedNewton<S> {
         (inner, outer): (&[DVec3], &[Vec<DVec3>]),
         law: &S::Law,
         problem: &Problem,
-        mirrors: Mirrors,
     ) {
-        self.mirrors = mirrors;
         self.start = Start::FromSolution;
         self.checks = S::Checks::default();
         self.grid = self.levels.len() - 1;
@@ -110,7 +100,7 @@ impl<S: System> NestedNewton<S> {
         if self.raised < 1.0 {
             raise(&mut obstacle, self.raised);
         }
-        Case { law, patch, obstacle, tolerance, mirrors: self.mirrors }
+        Case { law, patch, obstacle, tolerance }
     }
 
     /// Does the next piece of work. A state other than [`State::Working`] is the final state of the finest grid, or
@@ -136,7 +126,7 @@ impl<S: System> NestedNewton<S> {
             State::Stalled | State::Unstable | State::Saddle => true,
         };
         if self.start == Start::FromSolution && has_failed {
-            self.start_cold(law, problem, self.mirrors);
+            self.start_cold(law, problem);
             return State::Working;
         }
         match state {

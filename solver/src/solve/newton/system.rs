@@ -66,9 +66,6 @@ pub(in crate::solve) trait System: Sized {
         0.0
     }
 
-    /// Changes a step before its line search.
-    fn begin_line_search(_newton: &mut Newton<Self>) {}
-
     /// Is a rejected step to be given up without shorter lengths?
     fn is_uphill(&self, _trial: &Trial) -> bool {
         false

@@ -26,7 +26,6 @@ use crate::solve::validity;
 use finish::Checks;
 use glam::{DMat3, DVec3};
 use parameters::{CELLS_PER_PIECE, PARAMETERS, cost};
-pub(in crate::solve) use robust::symmetry::Mirrors;
 use robust::{Robust, SafeguardPhase};
 
 /// Least scale of forces \[small-strain stiffness × spacing\]: in a sheet at rest the forces are rounding.
@@ -104,8 +103,7 @@ impl System for SheetSystem {
     }
 
     fn start(newton: &mut SheetNewton, case: &SheetCase) {
-        newton.system.robust.start(case.mirrors, &case.obstacle.dome);
-        newton.symmetrize_positions();
+        newton.system.robust.start();
         newton.system.offset.fill(0.0);
         newton.system.neglected_offset = 0.0;
         for k in newton.grid.free() {
@@ -198,10 +196,6 @@ impl System for SheetSystem {
 
     fn energy_of_rounding(&self, grid: &Grid) -> f64 {
         f64::EPSILON * grid.sheet().radius_mm() * self.totals.force_scale()
-    }
-
-    fn begin_line_search(newton: &mut SheetNewton) {
-        newton.symmetrize_step();
     }
 
     fn is_uphill(&self, trial: &Trial) -> bool {

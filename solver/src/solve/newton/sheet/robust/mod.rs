@@ -4,7 +4,7 @@
 //! scenes that full multigrid solves.
 //!
 //! `curvature` (the dome's curvature makes the model indefinite) | `sweeps` (no step lowers the energy) | `step_extension`, `partan` (the model is too stiff) | `domain`
-//! (springs outside of their law's domain) | `stability` (saddle points of the paper's springs) | `symmetry`.
+//! (springs outside of their law's domain) | `stability` (saddle points of the paper's springs).
 
 mod curvature;
 mod domain;
@@ -12,14 +12,12 @@ mod partan;
 mod stability;
 mod step_extension;
 mod sweeps;
-pub(super) mod symmetry;
 
 use super::{Phase, Piece, SheetCase, SheetNewton, SheetSystem, State, System, Trial, cost};
-use crate::contact::{Dome, TOUCH_F64};
+use crate::contact::TOUCH_F64;
 use crate::model::membrane::assembly::Stiffness;
 use curvature::{AcceptedStep, Curvature};
 use glam::DVec3;
-use symmetry::{Mirror, Mirrors};
 
 /// Methods of one iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,8 +28,6 @@ enum StepMethod {
 
 /// State of the safeguards of one grid.
 pub(super) struct Robust {
-    /// Mirror symmetries of the solution.
-    mirrors: Vec<Mirror>,
     curvature: Curvature,
     step_method: StepMethod,
     /// Number of consecutive iterations with springs outside of their law's domain.
@@ -67,7 +63,6 @@ pub(in crate::solve) enum Direction {
 impl Robust {
     pub(super) fn new(size: usize) -> Self {
         Self {
-            mirrors: Vec::new(),
             curvature: Curvature::default(),
             step_method: StepMethod::SweepsAndGradients,
             outside: 0,
@@ -79,8 +74,7 @@ impl Robust {
     }
 
     /// Resets the state for another solve.
-    pub(super) fn start(&mut self, mirrors: Mirrors, dome: &Dome) {
-        self.mirrors = mirrors.of(dome);
+    pub(super) fn start(&mut self) {
         self.curvature = Curvature::default();
         self.step_method = StepMethod::SweepsAndGradients;
         self.outside = 0;
