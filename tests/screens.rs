@@ -28,6 +28,8 @@ mod chest;
 mod device;
 #[path = "screens/filling.rs"]
 mod filling;
+#[path = "screens/focus.rs"]
+mod focus;
 #[path = "screens/form.rs"]
 mod form;
 #[path = "common/frames.rs"]
@@ -2022,6 +2024,8 @@ fn a_kept_plan_is_the_first_plan_of_the_next_start() {
         second.get_by_label_contains("Note: The kept plan was not read: ");
         assert_eq!(second.state().session().scene(), &kept);
     }
+    press(&mut second, "Start over");
+    assert_eq!(second.state().session().scene(), &Scene::opening());
 }
 
 #[test]

@@ -63,8 +63,8 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     await finish();
   });
 
-  test("keys move the implant; the answer is the native one; undo takes it back", async () => {
-    const { page, finish } = await openApp();
+  test("follows keys, the pointer and a script with the native answer; undo takes keys back, a refused scene changes nothing", async () => {
+    const { page, finish } = await openApp({ isPlain: true });
     const before = await solved(page);
     await harness.focusPicture(page);
     const press = async (key, insertion) => {
@@ -75,18 +75,13 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
       );
     };
     for (const insertion of [0.98, 0.96, 0.94, 0.92, 0.9]) await press("[", insertion);
-    const after = await solved(page);
-    assert.ok(after.result.area_ratio < before.result.area_ratio - 0.01);
-    assertSameAsNative(after);
+    const lowered = await solved(page);
+    assert.ok(lowered.result.area_ratio < before.result.area_ratio - 0.01);
+    assertSameAsNative(lowered);
     for (const insertion of [0.92, 0.94, 0.96, 0.98, 1]) await press("Control+z", insertion);
     assert.deepEqual((await solved(page)).scene, before.scene);
-    await finish();
-  });
 
-  test("the insertion slider follows the pointer", async () => {
-    const { page, finish } = await openApp();
-    await settled(page);
-    const before = await solved(page);
+    // The slider of the insertion.
     const insertion = () => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);
     await harness.control(page, "Tissue");
     await page.keyboard.press("Enter");
@@ -105,16 +100,12 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     }
     await page.mouse.up();
     assert.ok(new Set(values).size >= 4, `insertions seen: ${values}`);
-    const after = await solved(page);
-    assert.ok(after.scene.insertion < before.scene.insertion);
-    assertSameAsNative(after);
+    const dragged = await solved(page);
+    assert.ok(dragged.scene.insertion < before.scene.insertion);
+    assertSameAsNative(dragged);
     await harness.screenshot(page, "half");
-    await finish();
-  });
 
-  test("a scene from a script is shown; a refused one changes nothing", async () => {
-    const { page, finish } = await openApp();
-    const before = await solved(page);
+    // A scene from a script.
     const refused = await page.evaluate(() => {
       try {
         implantPreview.setScene('{"implant":{"base_radius_mm":50,"colour":1}}');
@@ -124,7 +115,7 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     });
     assert.ok(refused?.isError);
     assert.match(refused.message, /^[^\n]*colour[^\n]*$/);
-    assert.deepEqual((await solved(page)).scene, before.scene);
+    assert.deepEqual((await solved(page)).scene, dragged.scene);
     const asked = {
       tissue_model: "sheet",
       // Values between the steps of the sliders: they must stay.
@@ -135,19 +126,19 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     };
     await page.evaluate((text) => implantPreview.setScene(text), JSON.stringify(asked));
     await page.waitForFunction(() => JSON.parse(implantPreview.result() ?? "{}").solver?.nodes_per_side === 65);
-    const after = await solved(page);
+    const scripted = await solved(page);
     await settled(page);
-    const { implant, insertion, layers, tissue_model } = (await solved(page)).scene;
-    assert.equal(tissue_model, asked.tissue_model);
-    assert.deepEqual(implant, asked.implant);
-    assert.equal(insertion, asked.insertion);
-    assert.equal(layers[0].thickness_mm, asked.layers[0].thickness_mm);
-    assert.equal(layers[0].poisson_ratio, asked.layers[0].poisson_ratio);
-    assertSameAsNative(after);
+    const { scene } = await solved(page);
+    assert.equal(scene.tissue_model, asked.tissue_model);
+    assert.deepEqual(scene.implant, asked.implant);
+    assert.equal(scene.insertion, asked.insertion);
+    assert.equal(scene.layers[0].thickness_mm, asked.layers[0].thickness_mm);
+    assert.equal(scene.layers[0].poisson_ratio, asked.layers[0].poisson_ratio);
+    assertSameAsNative(scripted);
     await finish();
   });
 
-  test("fits a phone, in the dark; a finger scrolls, moves sliders and reads values", async () => {
+  test("fits a phone, in the dark; a finger scrolls, moves sliders and the implant, and reads values", async () => {
     const { page, finish } = await openApp({
       viewport: { width: 390, height: 844 },
       isSmooth: true,
@@ -222,6 +213,11 @@ describe("the app", { timeout: 20 * harness.PATIENCE }, () => {
     assert.ok((await harness.difference(page, still, tapped)) > 2000, "a tap shows no values");
     assert.equal(await keyboard(), "text");
     await harness.screenshot(page, "phone-values");
+    // Along the picture the finger moves the implant by its handle.
+    const handle = await harness.control(page, "Move the implant");
+    await swipe([handle.x + handle.width / 2, handle.y + handle.height / 2], 48, 0);
+    const center = JSON.parse(await page.evaluate(() => implantPreview.scene())).implant.center_mm;
+    assert.ok(Math.hypot(...center) > 2, `the implant is at ${center}`);
     assertSameAsNative(await solved(page));
     // Natural skin on a phone has few colours.
     await harness.control(page, "Stretch");

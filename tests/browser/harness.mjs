@@ -134,6 +134,8 @@ export async function openPage(browser, address, { viewport, init, prepare, opti
     ...options,
   });
   context.setDefaultTimeout(PATIENCE);
+  // Further tabs of a test too.
+  if (!isSmooth) await context.addInitScript(drawCheaply, isPlain);
   const page = await context.newPage();
   const problems = [];
   const origin = new URL(address).origin;
@@ -152,7 +154,6 @@ export async function openPage(browser, address, { viewport, init, prepare, opti
       problems.push(`another origin: ${url}`);
     }
   });
-  if (!isSmooth) await page.addInitScript(drawCheaply, isPlain);
   if (init) await page.addInitScript(init);
   await prepare?.(page);
   await page.goto(address);

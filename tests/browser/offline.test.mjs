@@ -87,30 +87,13 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
     return harness.openPage(browser, site.address, { options, isPlain: true });
   };
 
-  test("starts, solves and runs its workers after one visit", async () => {
+  test("is stored whole by one visit, can be installed, starts, solves and runs its workers", async () => {
     site = await harness.serve();
     const { page, finish } = await open();
     await started(page);
     await kept(page, buildOf(first));
-    await site.close();
-    // Without a reload: the first worker of this page.
-    assert.deepEqual(await solveInWorkers(page), ["converged", "converged"]);
-    await page.reload();
-    await started(page);
-    assert.deepEqual(await solveInWorkers(page), ["converged", "converged"]);
-    await page.goto(`${site.address}index.html?from=elsewhere#top`);
-    await started(page);
-    await page.goto(`${site.address}bench.html?nodes_per_side=17&cases=default&methods=multigrid_1`);
-    await page.getByRole("button", { name: "Start" }).click();
-    await page.getByRole("status").getByText("Done in").waitFor();
-    await finish();
-  });
 
-  test("stores the files of the build and nothing else", async () => {
-    site = await harness.serve();
-    const { page, finish } = await open();
-    await started(page);
-    await kept(page, buildOf(first));
+    // The files of the build and nothing else, after an edit too.
     await page.evaluate(() => implantPreview.setPlan("width_cm", "12.5"));
     await started(page);
     const stored = await page.evaluate(async () => {
@@ -123,6 +106,48 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
       (file) => isSent(file) && file !== "service_worker.js",
     );
     assert.deepEqual(stored, files.map((file) => (file === "index.html" ? "" : file)).sort());
+
+    // The manifest.
+    const session = await page.context().newCDPSession(page);
+    const { url, errors } = await session.send("Page.getAppManifest");
+    assert.equal(url, `${site.address}manifest.webmanifest`);
+    assert.deepEqual(errors, []);
+    const { installabilityErrors } = await session.send("Page.getInstallabilityErrors");
+    // Contexts of tests are those of private windows.
+    assert.deepEqual(
+      installabilityErrors.filter(({ errorId }) => errorId !== "in-incognito"),
+      [],
+    );
+    const sizes = await page.evaluate(async () => {
+      const { icons } = await (await fetch("manifest.webmanifest")).json();
+      const load = async ({ src, sizes }) => {
+        const image = new Image();
+        image.src = src;
+        await image.decode();
+        return [sizes, `${image.naturalWidth}x${image.naturalHeight}`];
+      };
+      return Promise.all(icons.map(load));
+    });
+    assert.equal(sizes.length, 3);
+    for (const [stated, found] of sizes) assert.ok(stated === "any" || stated === found, `${stated}: ${found}`);
+
+    await site.close();
+    // Without a reload: the first worker of this page.
+    assert.deepEqual(await solveInWorkers(page), ["converged", "converged"]);
+    await page.reload();
+    await started(page);
+    assert.deepEqual(await solveInWorkers(page), ["converged", "converged"]);
+    await page.goto(`${site.address}index.html?from=elsewhere#top`);
+    await started(page);
+    await page.goto(`${site.address}bench.html?nodes_per_side=17&cases=default&methods=multigrid_1`);
+    await page.getByRole("button", { name: "Start" }).click();
+    await page.getByRole("status").getByText("Done in").waitFor();
+
+    // A changed page of the same address comes from the network at once.
+    site = await harness.serve({ folder: second, port: Number(new URL(site.address).port) });
+    await page.goto(`${site.address}bench.html`);
+    const script = () => page.locator("script[src]").getAttribute("src");
+    assert.ok((await script()).includes(buildOf(second)));
     await finish();
   });
 
@@ -170,49 +195,6 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
     assert.equal(await isSecond(page), true);
     assert.deepEqual([...builds], [buildOf(second)]);
     await close();
-  });
-
-  test("a changed page of the same address comes from the network at once", async () => {
-    site = await harness.serve({ folder: first });
-    const port = Number(new URL(site.address).port);
-    const { page, finish } = await open();
-    await started(page);
-    await kept(page, buildOf(first));
-    await site.close();
-    site = await harness.serve({ folder: second, port });
-    await page.goto(`${site.address}bench.html`);
-    const script = () => page.locator("script[src]").getAttribute("src");
-    assert.ok((await script()).includes(buildOf(second)));
-    await finish();
-  });
-
-  test("can be installed", async () => {
-    site = await harness.serve();
-    const { page, finish } = await open();
-    await started(page);
-    const session = await page.context().newCDPSession(page);
-    const { url, errors } = await session.send("Page.getAppManifest");
-    assert.equal(url, `${site.address}manifest.webmanifest`);
-    assert.deepEqual(errors, []);
-    const { installabilityErrors } = await session.send("Page.getInstallabilityErrors");
-    // Contexts of tests are those of private windows.
-    assert.deepEqual(
-      installabilityErrors.filter(({ errorId }) => errorId !== "in-incognito"),
-      [],
-    );
-    const sizes = await page.evaluate(async () => {
-      const { icons } = await (await fetch("manifest.webmanifest")).json();
-      const load = async ({ src, sizes }) => {
-        const image = new Image();
-        image.src = src;
-        await image.decode();
-        return [sizes, `${image.naturalWidth}x${image.naturalHeight}`];
-      };
-      return Promise.all(icons.map(load));
-    });
-    assert.equal(sizes.length, 3);
-    for (const [stated, found] of sizes) assert.ok(stated === "any" || stated === found, `${stated}: ${found}`);
-    await finish();
   });
 
   test("is not stored from a frame of another page", async () => {

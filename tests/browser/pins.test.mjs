@@ -17,6 +17,7 @@ async function click(page, name) {
   await harness.drawn(page);
 }
 
+const volume = (page) => page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume_ml").text);
 const insertion = (page) => page.evaluate(() => JSON.parse(implantPreview.scene()).insertion);
 const converged = (page) => page.waitForFunction(() => implantPreview.stats().converged);
 const summary = (page) => page.locator("#implant-preview-summary").textContent();
@@ -93,59 +94,8 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     await finish();
   });
 
-  test("of a file are solved after the scene, once, and ignored by simulate", async () => {
-    const { page, finish } = await openApp();
-    const scene = await harness.scene(page);
-    const pins = [0.5, 0.7].map((insertion) => ({ name: `${100 * insertion} %`, scene: { ...scene, insertion } }));
-    const text = JSON.stringify({ ...scene, insertion: 0.6, pins });
-    const solves = (await stats(page)).solves;
-    await page.evaluate((text) => implantPreview.setScene(text), text);
-    await pinned(page, "Pinned: A 50 %, B 70 %.");
-    await page.waitForFunction((solves) => implantPreview.stats().solves >= solves, solves + 3);
-    await harness.settled(page);
-    assert.equal((await stats(page)).solves, solves + 3);
-    const refused = await page.evaluate((text) => {
-      try {
-        implantPreview.setScene(text);
-      } catch (error) {
-        return error.message;
-      }
-    }, JSON.stringify({ ...scene, pins: [{ scene: { ...scene, pins: [] } }] }));
-    assert.match(refused, /^pins\[0\]\.scene: pins is a list; allowed: [^\n]*$/);
-    assert.match(await summary(page), /Pinned: A 50 %, B 70 %\.$/);
-    const alone = await page.evaluate((text) => JSON.parse(implantPreviewApi.simulate(text)), text);
-    const native = harness.native(text);
-    assert.ok(harness.profileDistance(alone.profile_skin, native.profile_skin) < 0.02);
-    await finish();
-  });
-
-  test("and the plan survive a reload, and start over", async () => {
-    const { page, finish } = await openApp({ isOpening: true });
-    const volume = () => page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume_ml").text);
-    const opening = await volume();
-    await page.evaluate(() => implantPreview.setPlan("volume_ml", "340 ml"));
-    await page.waitForFunction(() => localStorage.getItem("implant-preview/plan/1")?.includes("projection_mm"));
-    await page.reload();
-    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    assert.equal(await volume(), "340");
-    assert.equal((await stats(page)).solves, 1);
-    await click(page, "Start over");
-    assert.equal(await volume(), opening);
-    // Stored, so that the reload stores nothing.
-    await harness.settled(page);
-    // A text of another program is ignored with a line; the next change replaces it.
-    await page.evaluate(() => sessionStorage.setItem("implant-preview/plan/1", "{"));
-    await page.reload();
-    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    assert.equal(await volume(), opening);
-    await click(page, "Close message");
-    await finish();
-  });
-
   test("and the plan of two tabs stay apart; a new tab starts with the last written ones", async () => {
-    const { page, finish } = await openApp();
-    const volume = (page) =>
-      page.evaluate(() => JSON.parse(implantPreview.plan()).find((f) => f.name === "volume_ml").text);
+    const { page, finish } = await openApp({ isPlain: true });
     const set = async (page, volume) => {
       await page.evaluate((volume) => implantPreview.setPlan("volume_ml", volume), volume);
       await page.waitForFunction(() => implantPreview.stats().converged);
@@ -177,15 +127,21 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     await finish();
   });
 
-  test("of a corrupt or forbidden storage are ignored with a line", async () => {
-    const corrupt = await openApp({ init: `localStorage.setItem("${KEY}", "\\u0000{[corrupt")` });
+  test("and a plan of a corrupt or forbidden storage are ignored with a line", async () => {
+    // A plan of another program is ignored too: the opening one is there.
+    const corrupt = await openApp({
+      isPlain: true,
+      init: `localStorage.setItem("${KEY}", "\\u0000{[corrupt"); sessionStorage.setItem("implant-preview/plan/1", "{");`,
+    });
     await harness.settled(corrupt.page);
     await harness.screenshot(corrupt.page, "pins-corrupt");
     assert.equal(await stored(corrupt.page), "\0{[corrupt");
     assert.doesNotMatch(await summary(corrupt.page), /Pinned/);
+    assert.equal(await volume(corrupt.page), "225");
     await click(corrupt.page, "Close message");
     await corrupt.finish();
     const forbidden = await openApp({
+      isPlain: true,
       init: 'Object.defineProperty(window, "localStorage", { get() { throw new DOMException("no"); } })',
     });
     await click(forbidden.page, "Pin as A");
@@ -193,26 +149,5 @@ describe("pins", { timeout: 20 * harness.PATIENCE }, () => {
     await click(forbidden.page, "Close message");
     await harness.settled(forbidden.page);
     await forbidden.finish();
-  });
-
-  test("fit a phone", async () => {
-    const { page, finish } = await openApp({
-      isSmooth: true,
-      viewport: { width: 390, height: 844 },
-      options: { hasTouch: true, isMobile: true, deviceScaleFactor: 1, colorScheme: "dark" },
-    });
-    // Natural skin on a phone has few colours.
-    await click(page, "Stretch");
-    await click(page, "More");
-    await click(page, "Pin as A");
-    await pinned(page, "Pinned: A.");
-    await lower(page, 0.9);
-    await harness.settled(page);
-    await harness.screenshot(page, "compare-phone");
-    await click(page, "Side by side");
-    await harness.settled(page);
-    assert.ok((await harness.colours(page)) > 200, "the pictures are blank");
-    await harness.screenshot(page, "side-by-side-phone");
-    await finish();
   });
 });

@@ -33,64 +33,7 @@ const filled = (page) =>
 const at = ({ x, y, width, height }, i, j) => [x + (width * i) / 16, y + height * (1 - j / 16)];
 
 describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
-  test("fills in workers, and a click takes an implant in one step", async () => {
-    const { page, finish } = await openApp();
-    const before = await scene(page);
-    const chart = await openRange(page);
-    await filled(page);
-    // And those of the border of no answer, if there is one.
-    assert.ok((await stats(page)).range_all >= 17 * 17);
-    assert.ok((await harness.colours(page)) > 60, "the chart is blank");
-    await harness.screenshot(page, "range");
-    await page.mouse.click(...at(chart, 10, 10));
-    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 62.5);
-    const taken = await scene(page);
-    assert.equal(taken.implant.projection_mm, 45);
-    const margin = ({ pocket_radius_mm, implant }) => pocket_radius_mm - implant.base_radius_mm;
-    assert.ok(Math.abs(margin(taken) - margin(before)) < 1e-9);
-    // The chart stays: its points are the same.
-    const { range_done, range_all } = await stats(page);
-    assert.equal(range_done, range_all);
-    await page.keyboard.press("Control+z");
-    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 60);
-    assert.deepEqual(await scene(page), before);
-    await finish();
-  });
-
-  test("an edit cancels the chart and starts it again", async () => {
-    const { page, finish } = await openApp();
-    await openRange(page);
-    await page.waitForFunction(() => implantPreview.stats().range_done > 8);
-    const before = await stats(page);
-    await harness.type(page, "Margin (cm)", "2.5");
-    await page.waitForFunction((solves) => implantPreview.stats().solves > solves, before.solves);
-    assert.equal((await scene(page)).pocket_radius_mm, 85);
-    await filled(page);
-    await finish();
-  });
-
-  test("keys choose a point, the words follow, the Enter key takes", async () => {
-    const { page, finish } = await openApp();
-    await openRange(page);
-    await filled(page);
-    await harness.control(page, CHART);
-    for (const key of ["ArrowRight", "ArrowRight", "ArrowUp"]) {
-      await page.keyboard.press(key);
-      await pause(100);
-    }
-    await page.waitForFunction(() =>
-      /^Width 12\.25 cm, projection 4\.25 cm: Skin stretch: \d+ percent/.test(
-        document.getElementById("implant-preview-summary").textContent,
-      ),
-    );
-    await page.keyboard.press("Enter");
-    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 61.25);
-    // The words follow once they rest.
-    await page.waitForFunction(() => /^Width 12\.25 cm/.test(document.getElementById("implant-preview-summary").textContent));
-    await finish();
-  });
-
-  test("a shelf is dropped, kept over a reload, and a click takes exactly the listed size", async () => {
+  test("is of a dropped shelf kept over a reload, fills in workers, starts again with an edit; clicks and keys take an implant", async () => {
     const { page, finish } = await openApp();
     const table = "name;width_cm;volume_ml\nRound 310;12,3;310\n";
     await page.evaluate((table) => {
@@ -105,7 +48,55 @@ describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
     await page.waitForFunction(() => localStorage.getItem("implant-preview/shelf/1")?.includes("Round 310"));
     await page.reload();
     await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    const { x, y, width, height } = await openRange(page);
+
+    // An edit cancels the chart and starts it again.
+    const chart = await openRange(page);
+    await page.waitForFunction(() => implantPreview.stats().range_done > 8);
+    const { solves } = await stats(page);
+    await harness.type(page, "Margin (cm)", "2.5");
+    await page.waitForFunction((solves) => implantPreview.stats().solves > solves, solves);
+    const before = await scene(page);
+    assert.equal(before.pocket_radius_mm, 85);
+    await filled(page);
+    // And those of the border of no answer, if there is one.
+    assert.ok((await stats(page)).range_all >= 17 * 17);
+    assert.ok((await harness.colours(page)) > 60, "the chart is blank");
+    await harness.screenshot(page, "range");
+
+    // Keys choose a point, the words follow, the Enter key takes.
+    await harness.control(page, CHART);
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowUp"]) {
+      await page.keyboard.press(key);
+      await pause(100);
+    }
+    await page.waitForFunction(() =>
+      /^Width 12\.25 cm, projection 4\.25 cm: Skin stretch: \d+ percent/.test(
+        document.getElementById("implant-preview-summary").textContent,
+      ),
+    );
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 61.25);
+    // The words follow once they rest.
+    await page.waitForFunction(() => /^Width 12\.25 cm/.test(document.getElementById("implant-preview-summary").textContent));
+    await page.keyboard.press("Control+z");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 60);
+
+    // A click takes an implant in one step.
+    await page.mouse.click(...at(chart, 10, 10));
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 62.5);
+    const taken = await scene(page);
+    assert.equal(taken.implant.projection_mm, 45);
+    const margin = ({ pocket_radius_mm, implant }) => pocket_radius_mm - implant.base_radius_mm;
+    assert.ok(Math.abs(margin(taken) - margin(before)) < 1e-9);
+    // The chart stays: its points are the same.
+    const { range_done, range_all } = await stats(page);
+    assert.equal(range_done, range_all);
+    await page.keyboard.press("Control+z");
+    await page.waitForFunction(() => JSON.parse(implantPreview.scene()).implant.base_radius_mm === 60);
+    assert.deepEqual(await scene(page), before);
+
+    // On the shelf's size it takes exactly the listed one.
+    const { x, y, width, height } = chart;
     const radius = 61.5;
     const projection = (1500 * 310) / (Math.PI * radius * radius);
     await page.mouse.click(x + (width * 23) / 40, y + height * (1 - (projection - 20) / 40));
@@ -115,11 +106,9 @@ describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
   });
 
   test("has room on a phone", async () => {
-    const viewport = { width: 390, height: 844 };
-    const { page, finish } = await openApp({ viewport });
+    const { page, finish } = await openApp({ viewport: { width: 390, height: 844 }, isPlain: true });
     const chart = await openRange(page);
     assert.ok(chart.width > 240 && chart.height > 170, JSON.stringify(chart));
-    await filled(page);
     await harness.screenshot(page, "range-phone");
     await finish();
   });

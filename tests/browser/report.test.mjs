@@ -218,7 +218,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
   });
 
   test("has patient and visit in file, report and picture, and nowhere else", async () => {
-    const { page, finish } = await fixture.openApp();
+    const { page, finish } = await fixture.openApp({ isPlain: true });
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     for (const letter of ["A", "B", "C", "D"]) {
       // The button of the letter before has a new name, which it says only when it gets the focus.
@@ -301,8 +301,8 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await finish();
   });
 
-  test("is a mesh of the tissue, of the skin and of the implant, and a profile", async () => {
-    const { page, finish } = await fixture.openApp({ isResearch: true });
+  test("is a mesh of the tissue, of the skin and of the implant, a profile, and a result with its own scene", async () => {
+    const { page, finish } = await fixture.openApp({ isResearch: true, isPlain: true });
     const volumes = {};
     for (const [what, formats] of [["Implant as made", ["STL", "GLB"]], ["Implant in place", ["STL", "OBJ", "PLY", "GLB"]], ["Tissue", ["STL", "GLB"]], ["Skin", ["PLY"]]]) {
       for (const format of formats) {
@@ -347,11 +347,34 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
       assert.equal(rows.filter((row) => row.startsWith(`${surface},side,`)).length, points.length);
     }
     assert.ok(rows.every((row) => row.split(",").slice(2).every((value) => Number.isFinite(Number(value)))));
+
+    // There is no result while its scene is solved.
+    const seen = await page.evaluate(() => {
+      const wide = JSON.parse(implantPreview.scene());
+      wide.pocket_radius_mm = 178;
+      // Its default is that of the wide pocket.
+      delete wide.patch_radius_mm;
+      implantPreview.setScene(JSON.stringify(wide));
+      return [implantPreview.result(), implantPreview.stats().converged];
+    });
+    assert.deepEqual(seen, [undefined, false]);
+    await page.waitForFunction(() => implantPreview.stats().converged);
+    const wide = JSON.parse(await page.evaluate(() => implantPreview.result()));
+    assert.deepEqual(wide.scene, await harness.scene(page));
+    assert.equal(wide.scene.pocket_radius_mm, 178);
+    assert.equal(wide.scene.patch_radius_mm, 238);
+    assert.ok(Math.abs(wide.area_before_cm2 - 0.01 * Math.PI * 178 ** 2) < 1e-9);
+    assert.equal(wide.program_version, await page.evaluate(() => implantPreviewApi.version()));
+    assert.ok(Math.abs(Date.parse(wide.date) - Date.now()) < 600_000, wide.date);
+    // The same from the menu.
+    const saved = JSON.parse((await save(page, "Save numbers (JSON)…")).bytes.toString());
+    assert.deepEqual(saved.scene, wide.scene);
+    assert.equal(saved.contact_force_n, wide.contact_force_n);
     await finish();
   });
 
   test("is a link that opens to the same result elsewhere", async () => {
-    const { page, finish } = await fixture.openApp();
+    const { page, finish } = await fixture.openApp({ isPlain: true });
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     await page.evaluate(() => implantPreview.setPlan("volume_ml", "345"));
     await harness.settled(page);
@@ -364,27 +387,23 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const [scene, result] = await page.evaluate(() => [implantPreview.scene(), implantPreview.result()]);
     await finish();
 
-    const other = await fixture.openApp();
     const requests = [];
-    other.page.on("request", (request) => requests.push(request.url()));
-    await other.page.evaluate((address) => (location.hash = new URL(address).hash), link);
-    await harness.settled(other.page);
+    const other = await fixture.openPage(new URL(link).hash, {
+      isPlain: true,
+      // A browser sends an address without what follows its #.
+      prepare: (page) => page.on("request", (request) => requests.push(request.url().split("#")[0])),
+    });
+    await other.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
     assert.equal(await other.page.evaluate(() => implantPreview.scene()), scene);
     const [here, there] = [JSON.parse(result), JSON.parse(await other.page.evaluate(() => implantPreview.result()))];
     assert.equal(there.status, "converged");
     assert.ok(Math.abs(there.contact_force_n / here.contact_force_n - 1) < 5e-3);
-    // The address is as before, no server has got the plan, and a damaged link loses nothing.
+    // The address is without the plan, no server has got it, and a damaged link loses nothing.
     assert.equal(await other.page.evaluate(() => location.hash), "");
     await other.page.evaluate(() => (location.hash = "#plan=broken"));
     await harness.settled(other.page);
     assert.equal(await other.page.evaluate(() => implantPreview.scene()), scene);
     assert.ok(requests.every((address) => !address.includes("plan=")), String(requests));
-
-    // At a start, too.
-    await other.page.goto("about:blank");
-    await other.page.goto(link);
-    await other.page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    assert.equal(await other.page.evaluate(() => implantPreview.scene()), scene);
     await other.finish();
   });
 });

@@ -1,7 +1,7 @@
 // Studies of the JavaScript API in the page of the app: many scenes, maps, bands, in workers.
 
 import assert from "node:assert/strict";
-import { describe, test } from "node:test";
+import { after, before, describe, test } from "node:test";
 import * as harness from "./harness.mjs";
 
 const fixture = harness.setUp({ isPlain: true });
@@ -44,9 +44,9 @@ function greatestDifference(a, b) {
   );
 }
 
-/** The app, at rest; `study` there has a coarse scene and helpers. */
-async function open(options) {
-  const opened = await fixture.openApp(options);
+/** The app, at rest, whose workers trap at the poison; `study` there has a coarse scene and helpers. */
+async function open() {
+  const opened = await fixture.openApp({ prepare: trapAtPoison });
   const names = await opened.page.evaluate(() => performance.getEntriesByType("resource").map((r) => r.name));
   assert.equal(names.filter((name) => name.endsWith("_bg.wasm")).length, 1);
   await opened.page.evaluate(() => {
@@ -68,8 +68,12 @@ async function open(options) {
 }
 
 describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
+  let page;
+  let finish;
+  before(async () => ({ page, finish } = await open()));
+  after(() => finish?.());
+
   test("many scenes: results as they come, one line for each scene without a result", async () => {
-    const { page, finish } = await open({ prepare: trapAtPoison });
     const found = await page.evaluate(async (poison) => {
       const { scene, message, thrown } = study;
       const { simulate, simulateMany } = implantPreviewApi;
@@ -117,11 +121,9 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     const alive = page.workers().length;
     assert.ok(alive >= 1 && alive <= Math.max(1, cores - 1), `${alive} workers on ${cores} cores`);
     assert.equal(await page.locator("#crashed").isVisible(), false);
-    await finish();
   });
 
   test("a cancelled study ends at once, without further results, and the next study runs", async () => {
-    const { page, finish } = await open();
     const found = await page.evaluate(async () => {
       const { scene, message } = study;
       const { simulateMany, map, bands } = implantPreviewApi;
@@ -154,11 +156,9 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     assert.equal(found.before[0], 3);
     assert.ok(found.points >= 2 && found.points < 400, `${found.points} points`);
     assert.equal(found.next, 2);
-    await finish();
   });
 
   test("a map has each point once, and names the point that stops its workers", async () => {
-    const { page, finish } = await open({ prepare: trapAtPoison });
     const found = await page.evaluate(async (poison) => {
       const { scene, thrown } = study;
       const { map, simulate } = implantPreviewApi;
@@ -199,11 +199,9 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     assert.match(found.bad[2], /^Error: insertion: count is 1; allowed: 2 to 3600$/);
     assert.match(found.bad[3], /colour/);
     assert.match(found.bad[4], /^Error: insertion is 7; allowed: /);
-    await finish();
   });
 
   test("bands of a seed are those of the native program", async () => {
-    const { page, finish } = await open();
     const { scene, report, progress, other } = await page.evaluate(async () => {
       const { bands } = implantPreviewApi;
       // A sheet: every sample has an answer. Which state a sample without one has may depend on the last bit.
@@ -228,6 +226,5 @@ describe("studies in the page", { timeout: 8 * harness.PATIENCE }, () => {
     const [done, all] = progress.at(-1);
     assert.equal(done, all);
     assert.ok(progress.length > 5 && progress.every(([done], k) => k === 0 || done >= progress[k - 1][0] || done === 0));
-    await finish();
   });
 });

@@ -352,15 +352,59 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     await harness.settled(opened.page);
     return { ...opened, scene: await sceneText(opened.page) };
   };
+  const isOpeningScene = async (page) => {
+    const opening = await page.evaluate(() => implantPreviewApi.opening_scene());
+    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(opening));
+  };
   const saveScene = (page) =>
     harness.download(page, () => page.getByRole("button", { name: "Save the scene" }).click());
   const reloadMessage = (page) => page.locator("#crashed-scene").textContent();
   const cause = (page) => page.locator("#crashed-text").textContent();
   const keptScene = (page) => page.evaluate(() => sessionStorage.getItem("implant-preview/kept-scene/1"));
 
-  test("by a panic is shown, keeps the scene for the reload, and for one reload only", async () => {
+  test("by an exception in a frame, or for want of memory, is shown and keeps the scene; errors of others are none", async () => {
+    const { page, scene, close } = await openChanged({
+      viewport: { width: 390, height: 844 },
+      options: { colorScheme: "dark" },
+    });
+    // An error of another script, and a scene that is refused.
+    await page.evaluate(async () => {
+      setTimeout(() => {
+        throw new Error("not the program's");
+      });
+      setTimeout(() => implantPreview.setScene("{"));
+      setTimeout(() => implantPreviewApi.simulate("{"));
+      Promise.reject(new Error("nor this one"));
+      await new Promise((resolve) => setTimeout(resolve, 500));
+    });
+    assert.equal(await page.locator("#crashed").isVisible(), false);
+    assert.equal(await sceneText(page), scene);
+
+    await crash(page, throwInside);
+    assert.match(await cause(page), /no clock today/);
+    // One that follows from it does not hide its message.
+    await page.evaluate(() => implantPreviewCrashed("what followed from it"));
+    assert.match(await cause(page), /no clock today/);
+    await page.locator("summary").click();
+    await harness.screenshot(page, "crashed-phone");
+    await reload(page);
+    assert.equal(await sceneText(page), scene);
+    await harness.screenshot(page, "recovered-phone");
+
+    // Another scene: the same one would be the cause.
+    await page.evaluate(() => implantPreview.setPlan("in_place_percent", "80"));
+    await page.waitForFunction(() => implantPreview.stats().converged);
+    const before = await sceneText(page);
+    await crash(page, exhaustMemory);
+    assert.match(await reloadMessage(page), /opens this scene again/);
+    console.log("out of memory:", await cause(page));
+    await reload(page);
+    assert.equal(await sceneText(page), before);
+    await close();
+  });
+
+  test("by a panic keeps the scene for one reload; again with the same scene, or at the start, it leads to the default one", async () => {
     const { page, scene, close } = await openChanged();
-    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
     assert.equal(await keptScene(page), null, "kept before there was a crash");
     await crash(page, panic);
     assert.match(await cause(page), /^should have a Performance \(eframe-[\d.]+\/src\/web\/\w+\.rs:\d+\)$/);
@@ -371,57 +415,19 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     assert.equal(await sceneText(page), scene);
     await harness.screenshot(page, "recovered");
     assert.equal(await keptScene(page), null);
-    await page.reload();
-    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
-    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
-    await close();
-  });
 
-  test("by an exception in a frame is noticed and keeps the scene", async () => {
-    const { page, scene, close } = await openChanged({
-      viewport: { width: 390, height: 844 },
-      options: { colorScheme: "dark" },
-    });
-    await crash(page, throwInside);
-    assert.match(await cause(page), /no clock today/);
-    await page.locator("summary").click();
-    await harness.screenshot(page, "crashed-phone");
-    await reload(page);
-    assert.equal(await sceneText(page), scene);
-    await harness.screenshot(page, "recovered-phone");
-    await close();
-  });
-
-  test("for want of memory keeps the scene of before", async () => {
-    const { page, scene, close } = await openChanged();
-    await crash(page, exhaustMemory);
-    assert.match(await reloadMessage(page), /opens this scene again/);
-    console.log("out of memory:", await cause(page));
-    await reload(page);
-    assert.equal(await sceneText(page), scene);
-    await close();
-  });
-
-  test("that comes again with the same scene opens the default one, and the scene can be saved", async () => {
-    const { page, scene, close } = await openChanged();
-    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
-    await crash(page, panic);
-    await reload(page);
-    assert.equal(await sceneText(page), scene);
+    // Again with the same scene.
     await crash(page, panic);
     assert.match(await reloadMessage(page), /twice.*default scene/);
     await harness.screenshot(page, "crashed-twice");
     assert.deepEqual(await saveScene(page), { name: "scene.json", text: scene });
     await reload(page);
-    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
-    await close();
-  });
+    await isOpeningScene(page);
 
-  test("at the start, before the first frame, leads to the default scene too", async () => {
-    const { page, scene, close } = await openChanged();
-    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
+    // At the start, before the first frame: the first thing that the next start does with the scene ends it.
+    await page.evaluate((scene) => implantPreview.setScene(scene), scene);
+    await page.waitForFunction(() => implantPreview.stats().converged);
     await crash(page, panic);
-    // The first thing that the next start does with the scene ends it.
     await page.addInitScript(() => {
       if (localStorage.getItem("fragile")) {
         const original = HTMLCanvasElement.prototype.getContext;
@@ -438,7 +444,13 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
     assert.equal((await saveScene(page)).text, scene);
     await page.evaluate(() => localStorage.clear());
     await reload(page);
-    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
+    await isOpeningScene(page);
+
+    // A broken kept scene is not opened.
+    await page.evaluate(() => sessionStorage.setItem("implant-preview/kept-scene/1", '{"schema":"of another time"}'));
+    await page.reload();
+    await page.waitForFunction(() => globalThis.implantPreview?.stats().converged);
+    await isOpeningScene(page);
     await close();
   });
 
@@ -464,39 +476,5 @@ describe("a crash", { timeout: 10 * harness.PATIENCE }, () => {
       await reload(page);
       await close();
     }
-  });
-
-  test("is not seen in an error of another script, nor in a scene that is refused", async () => {
-    const { page, scene, close } = await openChanged();
-    await page.evaluate(async () => {
-      setTimeout(() => {
-        throw new Error("not the program's");
-      });
-      setTimeout(() => implantPreview.setScene("{"));
-      setTimeout(() => implantPreviewApi.simulate("{"));
-      Promise.reject(new Error("nor this one"));
-      await new Promise((resolve) => setTimeout(resolve, 500));
-    });
-    assert.equal(await page.locator("#crashed").isVisible(), false);
-    assert.equal(await sceneText(page), scene);
-    await close();
-  });
-
-  test("that follows from another one does not hide its message", async () => {
-    const { page, close } = await openApp();
-    await page.evaluate(() => implantPreviewCrashed("the cause"));
-    await page.evaluate(() => implantPreviewCrashed("what followed from it"));
-    assert.equal(await cause(page), "the cause");
-    await close();
-  });
-
-  test("after which a broken scene is found opens the default one", async () => {
-    const { page, close } = await openApp({
-      isOpening: true,
-      init: () => sessionStorage.setItem("implant-preview/kept-scene/1", '{"schema":"of another time"}'),
-    });
-    const defaults = await page.evaluate(() => implantPreviewApi.opening_scene());
-    assert.deepEqual(JSON.parse(await sceneText(page)), JSON.parse(defaults));
-    await close();
   });
 });

@@ -1,7 +1,8 @@
 //! Hands on the picture: cross-section in sight, values at a point, ruler, handles of the implant, commands by their names.
 
 use super::{
-    DESKTOP, PHONE, app, flat_plan, focus_picture, press, researching, settle, type_into, unfold,
+    DESKTOP, PHONE, app, flat_plan, focus_picture, painted_texts, press, researching, settle,
+    type_into, unfold,
 };
 use eframe::egui::{self, Key, Modifiers, Pos2, Role, Vec2, vec2};
 use egui_kittest::Harness;
@@ -71,6 +72,11 @@ fn reading(harness: &Screen, start: &str) -> Option<String> {
     let node = harness.query_by_label_contains(start)?;
     let node = node.accesskit_node();
     node.label().or_else(|| node.value())
+}
+
+/// Is a text with these words painted?
+fn is_painted(harness: &Screen, words: &str) -> bool {
+    painted_texts(harness).iter().any(|text| text.contains(words))
 }
 
 fn click(harness: &mut Screen, at: Pos2) {
@@ -162,6 +168,7 @@ fn the_pointer_reads_every_layer_and_a_click_keeps_the_values() {
     for words in ["Skin stretch ", "skin ", "fat ", "(at rest ", "pull ", "Cover ", "essure "] {
         assert!(read.contains(words), "{words} in {read}");
     }
+    assert!(is_painted(&harness, ", area "));
     click(&mut harness, at);
     let kept = reading(&harness, "Kept values").unwrap();
     assert!(kept.contains("Cover "), "{kept}");
@@ -169,6 +176,7 @@ fn the_pointer_reads_every_layer_and_a_click_keeps_the_values() {
     harness.remove_cursor();
     harness.run();
     assert_eq!(reading(&harness, "Kept values"), Some(kept.clone()));
+    assert!(is_painted(&harness, ", area "));
     type_into(&mut harness, "Volume (ml)", "400");
     let after = reading(&harness, "Kept values").unwrap();
     assert_ne!(after, kept);
@@ -176,6 +184,7 @@ fn the_pointer_reads_every_layer_and_a_click_keeps_the_values() {
     harness.key_press(Key::Escape);
     harness.run();
     assert_eq!(reading(&harness, "Kept values"), None);
+    assert!(!is_painted(&harness, ", area "));
 }
 
 #[test]
@@ -228,6 +237,7 @@ fn the_ruler_measures_straight_along_the_skin_and_at_rest() {
     };
     let (straight, along, rest) = (number("Straight "), number("skin "), number("rest "));
     assert!(straight > 1.0 && along >= straight && rest > 1.0 && rest < along, "{read}");
+    assert!(is_painted(&harness, "Straight "));
     // No values are kept meanwhile, and the command ends the ruler.
     assert_eq!(reading(&harness, "Kept values"), None);
     choose(&mut harness, "Ruler");
@@ -238,6 +248,7 @@ fn the_ruler_measures_straight_along_the_skin_and_at_rest() {
     harness.key_press(Key::Escape);
     harness.run();
     assert_eq!(reading(&harness, "Ruler: "), None);
+    assert!(!is_painted(&harness, "Straight "));
 }
 
 /// Presses a handle and moves the pointer in steps.
@@ -276,6 +287,15 @@ fn a_drag_moves_the_implant_in_its_pocket_in_one_step() {
     settle(&mut harness);
     assert_eq!(scene(&harness), before);
     assert!(!harness.state().session().can_undo());
+    // Escape takes back what the tissue has followed so far, and ends the drag.
+    let end = drag(&mut harness, "Move the implant", vec2(40.0, 0.0));
+    assert_ne!(scene(&harness), before);
+    harness.key_press(Key::Escape);
+    settle(&mut harness);
+    harness.hover_at(end + vec2(0.0, 30.0));
+    harness.drop_at(end + vec2(0.0, 30.0));
+    settle(&mut harness);
+    assert_eq!(scene(&harness), before);
 }
 
 #[test]
@@ -395,6 +415,13 @@ fn arrows_choose_a_command_and_escape_closes_the_list() {
     harness.key_press(Key::Enter);
     harness.run();
     assert_ne!(grid(&mut harness), before);
+    open_list(&mut harness);
+    harness.event(egui::Event::Text("half sphere".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    settle(&mut harness);
+    assert_eq!(scene(&harness).implant.base_radius_mm, 55.0);
+    press(&mut harness, "Undo");
     open_list(&mut harness);
     harness.key_press(Key::Escape);
     harness.run();

@@ -56,6 +56,71 @@ fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan()
     }
 }
 
+/// The texts on the picture with their places, and the place of the handle that moves the implant: all of them move with the camera.
+fn seen(harness: &Harness<'static, App>) -> (Vec<(String, egui::Pos2)>, Option<egui::Rect>) {
+    let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+    let texts = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+        egui::Shape::Text(text) => {
+            Some((text.galley.text().to_owned(), text.visual_bounding_rect()))
+        }
+        _ => None,
+    });
+    let texts = texts.filter(|(_, rect)| view.contains_rect(*rect));
+    let handle = harness.query_by_role_and_label(Role::Button, "Move the implant");
+    (texts.map(|(text, rect)| (text, rect.center())).collect(), handle.map(|node| node.rect()))
+}
+
+#[test]
+fn a_view_is_reached_after_one_click_while_the_pointer_stays_on_its_button() {
+    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
+    wait_for_studies(&mut harness);
+    let at = |harness: &Harness<'static, App>, view: &'static str| {
+        harness.get_by_role_and_label(Role::Button, view).rect().center()
+    };
+    let click = |harness: &mut Harness<'static, App>, at: egui::Pos2| {
+        harness.hover_at(at);
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.run();
+        seen(harness)
+    };
+    let opening = seen(&harness);
+    for view in ["Front", "Side", "Top", "All"] {
+        let at = at(&harness, view);
+        let once = click(&mut harness, at);
+        assert_eq!(once, click(&mut harness, at), "{view} stops half-way");
+        assert_eq!(once == opening, view == "All", "{view}: {once:?} {opening:?}");
+    }
+}
+
+#[test]
+fn the_wheel_zooms_and_stops_before_the_tissue() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    wait_for_studies(&mut harness);
+    let opening = seen(&harness);
+    let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+    let zoom = |harness: &mut Harness<'static, App>, turns: u32| {
+        harness.hover_at(picture.center() - egui::vec2(80.0, 60.0));
+        for _ in 0..turns {
+            // Three notches at once.
+            harness.event(egui::Event::MouseWheel {
+                unit: egui::MouseWheelUnit::Point,
+                delta: egui::vec2(0.0, 300.0),
+                phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Unknown,
+                modifiers: egui::Modifiers::NONE,
+            });
+        }
+        harness.run();
+        harness.remove_cursor();
+        harness.run();
+        seen(harness)
+    };
+    let near = zoom(&mut harness, 10);
+    assert_ne!(near, opening, "the wheel zooms nothing");
+    assert_eq!(near, zoom(&mut harness, 2), "the eye goes on into the tissue");
+}
+
 #[test]
 fn beside_a_drawn_torso_only_head_and_feet_have_words() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
