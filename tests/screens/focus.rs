@@ -100,3 +100,89 @@ fn the_tab_key_leaves_the_app_of_a_page_behind_every_tab_of_a_phone() {
         assert!(names.iter().any(|other| other == name), "{name} is not among {names:?}");
     }
 }
+
+#[test]
+fn the_tab_key_goes_through_all_controls_and_back() {
+    let mut harness = unfolded(|_| {});
+    // The sentence with the largest volume is a button.
+    wait_for_studies(&mut harness);
+    let mut ways = Vec::new();
+    for modifiers in [egui::Modifiers::NONE, egui::Modifiers::SHIFT] {
+        let mut seen = Vec::new();
+        for _ in 0..200 {
+            harness.key_press_modifiers(modifiers, egui::Key::Tab);
+            harness.run();
+            let focused = harness.ctx.memory(egui::Memory::focused);
+            assert!(focused.is_some(), "the focus is lost after {} controls", seen.len());
+            if seen.first() == focused.as_ref() {
+                break;
+            }
+            assert!(!focused.is_some_and(|id| seen.contains(&id)), "a circle after {}", seen.len());
+            seen.extend(focused);
+        }
+        ways.push(seen);
+    }
+    // All sliders with their fields, buttons, boxes and folds, equal in both directions.
+    assert!(ways[0].len() > 45, "{} controls", ways[0].len());
+    let sorted = |ids: &[egui::Id]| ids.iter().copied().collect::<std::collections::HashSet<_>>();
+    assert_eq!(sorted(&ways[0]), sorted(&ways[1]));
+}
+
+#[test]
+fn a_control_focused_by_a_key_is_scrolled_into_view() {
+    for size in [egui::vec2(1000.0, 500.0), egui::vec2(1000.0, 700.0), PHONE] {
+        for is_page in [false, true] {
+            let mut harness = app(size, |_| {});
+            if is_page {
+                harness.state_mut().enable_page_navigation();
+            }
+            for _ in 0..40 {
+                harness.key_press(egui::Key::Tab);
+                harness.run();
+                let Some(id) = harness.ctx.memory(egui::Memory::focused) else { break };
+                let response = harness.ctx.read_response(id).unwrap();
+                let seen = response.rect.intersect(response.interact_rect);
+                let rect = response.rect;
+                assert!(
+                    seen.height() > 0.9 * rect.height(),
+                    "{size} {is_page}: {seen:?} of {rect:?}"
+                );
+                assert!(rect.bottom() <= size.y, "{size} {is_page}: {rect:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn escape_and_a_choice_return_the_focus() {
+    let mut harness = unfolded(|_| {});
+    let about = |harness: &Harness<'static, App>| {
+        harness.query_all_by_label("A preview, not a medical device.").count()
+    };
+    let button = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Button, "Help").is_focused()
+    };
+    harness.get_by_role_and_label(Role::Button, "Help").focus();
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    assert_eq!(about(&harness), 1);
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    assert_eq!((about(&harness), button(&harness)), (0, true));
+    harness.step();
+    assert_eq!(harness.state().focused().unwrap().0, "Help");
+    // Open a box and choose an entry.
+    harness.get_by_role_and_label(Role::ComboBox, "Resolution").focus();
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    harness.key_press(egui::Key::Tab);
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    settle(&mut harness);
+    for _ in 0..3 {
+        harness.step();
+    }
+    assert!(harness.get_by_role_and_label(Role::ComboBox, "Resolution").is_focused());
+}

@@ -1,4 +1,4 @@
-//! What stands on the pictures: words of the directions, the scale of the cross-section.
+//! The pictures: what stands on them, views and zoom, keys.
 
 use super::*;
 use implant_preview::scene::{ChestShape, Side};
@@ -323,4 +323,71 @@ fn the_outline_of_the_implant_in_the_cross_section_has_no_spike() {
             }
         }
     }
+}
+
+#[test]
+fn keys_step_the_insertion() {
+    let mut harness = app(WIDE, |_| {});
+    focus_picture(&mut harness);
+    harness.key_press(egui::Key::OpenBracket);
+    settle(&mut harness);
+    assert!((harness.state().session().scene().insertion - 0.98).abs() < 1e-9);
+    harness.key_press(egui::Key::CloseBracket);
+    settle(&mut harness);
+    assert!((harness.state().session().scene().insertion - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn each_press_of_a_slow_frame_counts() {
+    let mut harness = app(WIDE, |_| {});
+    focus_picture(&mut harness);
+    for pressed in [true, false, true, false, true, false] {
+        harness.input_mut().events.push(egui::Event::Key {
+            key: egui::Key::OpenBracket,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+    }
+    settle(&mut harness);
+    assert!((harness.state().session().scene().insertion - 0.94).abs() < 1e-9);
+}
+
+#[test]
+fn a_colour_the_section_and_the_theme_solve_nothing() {
+    let mut harness = researching(WIDE, |_| {});
+    let counters = harness.state().session().counters();
+    focus_picture(&mut harness);
+    for key in [egui::Key::Num1, egui::Key::Num3, egui::Key::Num5] {
+        harness.key_press(key);
+        harness.step();
+    }
+    press(&mut harness, "Inside");
+    for item in ["Grid", "Areola"] {
+        press(&mut harness, "View");
+        harness.get_by_role_and_label(Role::CheckBox, item).click();
+        harness.run();
+    }
+    harness.get_by_label("Front").click();
+    harness.run();
+    // Drawing computes fields; all other counters are unchanged.
+    let drawn = harness.state().session().counters();
+    assert_eq!(Counters { fields: counters.fields, ..drawn }, counters);
+    assert_eq!(drawn.fields - counters.fields, 2);
+}
+
+#[test]
+fn digits_change_the_colouring_only_with_the_focus_on_the_picture() {
+    let mut harness = app(WIDE, |_| {});
+    let drawn = |harness: &Harness<'static, App>| harness.state().session().counters().fields;
+    let before = drawn(&harness);
+    for key in [egui::Key::Num5, egui::Key::Num0, egui::Key::Num3] {
+        harness.key_press(key);
+        harness.run();
+    }
+    harness.key_press(egui::Key::OpenBracket);
+    settle(&mut harness);
+    assert_eq!(drawn(&harness), before);
+    assert!((harness.state().session().scene().insertion - 1.0).abs() < 1e-12);
 }
