@@ -3,12 +3,12 @@
 //! Check and key of a scene, the patient's values, `study::Parameter`, `study::Unknown` and the controls, axes and tables of the app
 //! read the rows. Numbers of nodes and cells are whole, see [`super::limits`].
 
+use super::implant::MAX_APEX_SHIFT;
 use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
-use super::{ASPECTS, Body, MAX_APEX_SHIFT, Scene, SceneError, error::out_of_range};
+use super::{Body, Implant, Scene, SceneError, error::out_of_range};
 use crate::clinical::limits::{
-    BASE_WIDTH_MM, FULLNESS, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM,
+    ASPECT, BASE_WIDTH_MM, FULLNESS, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM,
 };
-use crate::contact::HALF_ELLIPSOID;
 use crate::curve::{SCALES, number};
 use std::ops::Deref;
 
@@ -90,9 +90,9 @@ pub struct Row {
     place: fn(&mut Scene, usize) -> Option<&mut f64>,
 }
 
+/// The value of a number; an optional member has one by the function behind `=`.
 macro_rules! value {
-    (Scene implant.base_height_mm) => { |scene, _| Some(scene.implant.base_height()) };
-    (Scene implant.fullness) => { |scene, _| Some(scene.implant.fullness()) };
+    (Scene $of:ident.$number:ident = $present:path) => { |scene, _| Some($present(&scene.$of)) };
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
@@ -101,14 +101,11 @@ macro_rules! value {
 }
 
 macro_rules! place {
-    (Scene implant.base_height_mm) => {
+    (Scene $of:ident.$number:ident = $present:path) => {
         |scene, _| {
-            let round = scene.implant.base_height();
-            Some(scene.implant.base_height_mm.get_or_insert(round))
+            let present = $present(&scene.$of);
+            Some(scene.$of.$number.get_or_insert(present))
         }
-    };
-    (Scene implant.fullness) => {
-        |scene, _| Some(scene.implant.fullness.get_or_insert(HALF_ELLIPSOID))
     };
     (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.$($at)+) };
@@ -169,11 +166,11 @@ fields! {
         "To the side", CM, "Offset of the implant from the pocket's centre towards the patient's side (−: the midline).";
     CenterY: "implant.center_mm[1]", Scene[implant.center_mm[1]], "centre of the implant, y", "mm", (-POCKET_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM), Grid;
         "Up", CM, "Offset of the implant from the pocket's centre towards the head (−: the feet).";
-    BaseHeight: "implant.base_height_mm", Scene[implant.base_height_mm], "height of the base", "mm", BASE_WIDTH_MM, Grid;
+    BaseHeight: "implant.base_height_mm", Scene[implant.base_height_mm = Implant::base_height], "height of the base", "mm", BASE_WIDTH_MM, Grid;
         "Height", CM, "Height of the implant's base along the body, from its lower to its upper edge. The value that follows changes with it.";
     ApexShift: "implant.apex_shift_mm", Scene[implant.apex_shift_mm], "way of the apex towards the feet", "mm", (-MOST_APEX_SHIFT_MM, MOST_APEX_SHIFT_MM), Dome;
         "Apex lower", CM, "How far the implant's highest point is below the middle of its base, towards the feet (−: above it).";
-    Fullness: "implant.fullness", Scene[implant.fullness], "fullness", "", FULLNESS, Dome;
+    Fullness: "implant.fullness", Scene[implant.fullness = Implant::fullness], "fullness", "", FULLNESS, Dome;
         "Fullness", PLAIN, "Volume of the implant by that of the cylinder around it: width, projection and fullness give the volume. Half of an ellipsoid has 0.67, makers' sizes have 0.55 to 0.80.";
     PocketRadius: "pocket_radius_mm", Scene[pocket_radius_mm], "radius of the pocket", "mm", (10.0, POCKET_RADIUS_MAX_MM), Grid;
         "Pocket", CM, "";
@@ -216,6 +213,10 @@ pub(super) fn of_body() -> impl Iterator<Item = Field> {
 }
 
 impl Field {
+    /// The numbers of the plan that have no code of their own on a screen: the folded part of the plan, form, report, comparison and table
+    /// of numbers show them by their rows.
+    pub const PLAIN: [Self; 1] = [Self::Fullness];
+
     fn row(self) -> &'static Row {
         &ROWS[self as usize]
     }
@@ -257,6 +258,18 @@ impl Field {
         Some(self.row().scale.factor * self.value(scene, 0)?)
     }
 
+    /// The value of a plan that does not state the number, as a screen shows it \[`scale.unit`\].
+    #[must_use]
+    pub fn usual(self) -> f64 {
+        self.shown(&Scene::default()).unwrap_or_default()
+    }
+
+    /// Has a scene another value than the usual one?
+    #[must_use]
+    pub fn is_stated(self, scene: &Scene) -> bool {
+        self.shown(scene).is_some_and(|value| (value - self.usual()).abs() > 1e-9)
+    }
+
     /// How many of these numbers the equilibrium of a scene depends on; patch and attachment belong to layered tissue.
     pub(crate) fn count(self, scene: &Scene) -> usize {
         match self.row().part {
@@ -282,7 +295,7 @@ impl Field {
             _ if self == Self::BaseHeight => {
                 let (width, (least, most)) =
                     (2.0 * scene.implant.base_radius_mm, self.row().limits);
-                ((width * ASPECTS.0).max(least), (width * ASPECTS.1).min(most))
+                ((width * ASPECT.0).max(least), (width * ASPECT.1).min(most))
             }
             _ if self == Self::ApexShift => {
                 let most = 0.5 * MAX_APEX_SHIFT * scene.implant.base_height();
@@ -347,7 +360,7 @@ mod tests {
         scene.apply_patient(measured).unwrap();
         scene.implant.base_height_mm = Some(126.0);
         scene.implant.apex_shift_mm = 12.0;
-        scene.implant.fullness = Some(0.72);
+        Field::PLAIN.iter().for_each(|number| number.set(&mut scene, 0, number.limits.1));
         scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);

@@ -1,22 +1,20 @@
 //! A scene in a file: optional fields and their defaults.
 
 use super::chest_grid::BOTH;
+use super::implant::ImplantFile;
 use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
-    AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
+    AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Layer,
     SCENE_SCHEMA, Scene, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel, Visit,
     limits, one_line, patient, pins, problem,
 };
-use crate::curve::{List, Pair, given, given_object, number, object, present, present_object};
+use crate::curve::{List, given, given_object, object, present, present_object};
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
-
-/// Greatest relative difference of two volumes that count as equal: finished digits of a volume and a fullness.
-const SAME_VOLUME: f64 = 2e-3;
 
 /// A scene in a file; fields with a default are optional.
 #[derive(Deserialize, JsonSchema)]
@@ -77,78 +75,6 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "pins::list")]
     #[schemars(with = "Vec<pins::PinFile>")]
     pub(super) pins: Option<Vec<pins::PinFile>>,
-}
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "one JSON object")]
-#[schemars(rename = "Implant")]
-pub(super) struct ImplantFile {
-    base_radius_mm: f64,
-    /// Default: the base radius (a hemisphere).
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "f64")]
-    projection_mm: Option<f64>,
-    #[serde(default, deserialize_with = "present")]
-    #[schemars(with = "[f64; 2]")]
-    center_mm: Pair,
-    /// Height of the base along the body \[mm\], half to twice the width. Default: twice the base radius (round).
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "f64")]
-    base_height_mm: Option<f64>,
-    /// Way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height. Default: 0.
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "f64")]
-    apex_shift_mm: Option<f64>,
-    /// Volume by π a b p of the half-axes of the base and the projection, 0.55 to 0.8. Default: 2/3 (half of an ellipsoid).
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "f64")]
-    fullness: Option<f64>,
-    /// Volume \[ml\], instead of the fullness, which follows.
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "f64")]
-    volume_ml: Option<f64>,
-    /// The maker's name of the size, up to 60 characters in one line; no computation depends on it, the result has it as
-    /// `implant_reference`. Default: not stated.
-    #[serde(default, deserialize_with = "present")]
-    reference: String,
-}
-
-impl ImplantFile {
-    /// The implant without its reference.
-    ///
-    /// # Errors
-    /// A volume that gives no fullness within the limits, or another one than the given.
-    fn shape(&self) -> Result<Implant, SceneError> {
-        let radius = self.base_radius_mm;
-        let mut implant = Implant {
-            base_radius_mm: radius,
-            projection_mm: self.projection_mm.unwrap_or(radius),
-            center_mm: self.center_mm.0,
-            base_height_mm: self.base_height_mm,
-            apex_shift_mm: self.apex_shift_mm.unwrap_or_default(),
-            fullness: self.fullness,
-        };
-        if let Some(volume) = self.volume_ml {
-            let with = |fullness| Implant { fullness, ..implant }.size();
-            let filled = with(None).and_then(|size| size.filled_to(volume));
-            let filled =
-                filled.map_err(|error| problem("implant.volume_ml", &error.to_string()))?;
-            match self.fullness.map(|fullness| with(Some(fullness))) {
-                None => implant.fullness = Some(filled.fullness()),
-                // Both may have finished digits.
-                Some(Ok(size)) if (size.volume_ml() / volume - 1.0).abs() > SAME_VOLUME => {
-                    let given = number((10.0 * size.volume_ml()).round() / 10.0);
-                    let both = format!(
-                        "{} ml, and implant.fullness gives {given} ml; allowed: one of the two, or equal volumes",
-                        number(volume)
-                    );
-                    return Err(problem("implant.volume_ml", &both));
-                }
-                Some(_) => {}
-            }
-        }
-        Ok(implant.in_few_words())
-    }
 }
 
 /// The chest wall by radii or by a grid.

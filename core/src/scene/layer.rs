@@ -109,13 +109,6 @@ impl Layer {
         }
     }
 
-    /// Does nothing but the name of the tissue differ?
-    pub(super) fn same_physics(&self, other: &Self) -> bool {
-        let Self { tissue: _, thickness_mm, poisson_ratio, curve } = self;
-        (*thickness_mm, *poisson_ratio) == (other.thickness_mm, other.poisson_ratio)
-            && *curve == other.curve
-    }
-
     /// A sentence on a curve of points whose unit may be another one.
     fn curve_warning(&self) -> Option<String> {
         let CurveSpec::Points { .. } = self.curve.spec else { return None };

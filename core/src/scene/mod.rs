@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `layer` (a layer and its file format) | `patient`
+//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words) | `written` (a scene as it is written).
 //!
@@ -20,6 +20,7 @@ mod file;
 #[cfg(test)]
 mod gaps;
 mod grid;
+mod implant;
 mod layer;
 mod patient;
 pub mod pins;
@@ -30,8 +31,7 @@ pub mod values;
 pub mod visit;
 mod written;
 
-use crate::clinical::{ClinicalError, Size};
-use crate::contact::{Dome, HALF_ELLIPSOID, HalfBall};
+use crate::clinical::Size;
 use crate::curve::{given, number, present, present_whole};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
@@ -44,7 +44,7 @@ use error::{check_words, one_line, out_of_range, problem};
 pub use field::Field;
 use field::Part;
 use file::{SceneFile, full_insertion};
-use glam::DVec2;
+pub use implant::Implant;
 use layer::default_layers;
 pub use layer::{Layer, tissue_in_words};
 pub use patient::Patient;
@@ -110,142 +110,10 @@ pub struct Scene {
     pub solver: SolverSettings,
 }
 
-/// A dome: half-ellipsoid of revolution; a hemisphere when projection = base radius; anatomical with another height of
-/// the base or a lower apex; of another fullness.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Implant {
-    /// Base radius R \[mm\], 10 to 120; of an anatomical implant half of the base's width.
-    pub base_radius_mm: f64,
-    /// Projection p (height) \[mm\], 2 to 120.
-    pub projection_mm: f64,
-    /// Centre of the base in the pocket \[mm\]; (0, 0) is the pocket's centre.
-    pub center_mm: [f64; 2],
-    /// Height of the base along the body \[mm\], half to twice the width; `None`: a round base.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub base_height_mm: Option<f64>,
-    /// Way of the apex towards the feet (−y) \[mm\], up to 0.6 of half the base's height.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub apex_shift_mm: f64,
-    /// Volume by π a b p of the half-axes of the base and the projection \[-\], 0.55 to 0.8; `None`: ⅔, half of an ellipsoid.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fullness: Option<f64>,
-}
-
 /// Greatest length of an implant's reference \[characters\].
 pub const MAX_IMPLANT_REFERENCE: usize = 60;
 /// Path of an implant's reference in a file.
 const REFERENCE: &str = "implant.reference";
-/// Greatest way of the apex \[half of the base's height\]: it stays over the base.
-const MAX_APEX_SHIFT: f64 = 0.6;
-/// Least and greatest height of the base \[width\].
-const ASPECTS: (f64, f64) = crate::clinical::limits::ASPECT;
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
-impl Implant {
-    /// Height of the base along the body \[mm\]; twice the base radius of a round base.
-    #[must_use]
-    pub fn base_height(&self) -> f64 {
-        self.base_height_mm.unwrap_or(2.0 * self.base_radius_mm)
-    }
-
-    /// Volume by π a b p \[-\]; ⅔ of half of an ellipsoid.
-    #[must_use]
-    pub fn fullness(&self) -> f64 {
-        self.fullness.unwrap_or(HALF_ELLIPSOID)
-    }
-
-    /// Sets the fullness \[-\]; that of half of an ellipsoid is not stated.
-    pub fn set_fullness(&mut self, fullness: f64) {
-        self.fullness = Some(fullness);
-        *self = self.in_few_words();
-    }
-
-    /// The shape.
-    #[must_use]
-    pub fn shape(&self) -> HalfBall {
-        HalfBall::round(self.base_radius_mm, self.projection_mm)
-            .anatomical(0.5 * self.base_height(), self.apex_shift_mm)
-            .filled(self.fullness())
-    }
-
-    /// Is the implant a solid of revolution?
-    #[must_use]
-    pub fn is_round(&self) -> bool {
-        let Self { base_height_mm, apex_shift_mm, .. } = self.in_few_words();
-        base_height_mm.is_none() && apex_shift_mm == 0.0
-    }
-
-    /// Makes the implant a solid of revolution of its width and projection.
-    pub fn make_round(&mut self) {
-        (self.base_height_mm, self.apex_shift_mm) = (None, 0.0);
-    }
-
-    /// Half of the base's width or height, whichever is greater \[mm\].
-    #[must_use]
-    pub fn greatest_half_axis_mm(&self) -> f64 {
-        self.base_radius_mm.max(0.5 * self.base_height())
-    }
-
-    /// Least radius of a pocket that holds the base \[mm\].
-    #[must_use]
-    pub fn least_pocket_mm(&self) -> f64 {
-        self.greatest_half_axis_mm() + self.center_mm[0].hypot(self.center_mm[1])
-    }
-
-    /// Does the base cover a place over the plane, from the pocket's centre \[mm\]?
-    pub(crate) fn covers(&self, place: DVec2) -> bool {
-        let dome = Dome::new(DVec2::from(self.center_mm), self.shape(), 1.0);
-        dome.gauge(place.extend(0.0)) < 0.0
-    }
-
-    /// Does another implant have the same size and shape, in whatever place?
-    #[must_use]
-    pub fn has_size_of(&self, other: &Self) -> bool {
-        Self { center_mm: other.center_mm, ..self.in_few_words() } == other.in_few_words()
-    }
-
-    /// Sets the base radius \[mm\]; an anatomical implant keeps its proportions.
-    pub fn set_base_radius(&mut self, radius_mm: f64) {
-        let factor = radius_mm / self.base_radius_mm;
-        if let Some(height) = &mut self.base_height_mm {
-            *height *= factor;
-        }
-        if self.apex_shift_mm != 0.0 {
-            self.apex_shift_mm *= factor;
-        }
-        self.base_radius_mm = radius_mm;
-    }
-
-    /// The same implant without a height of its base that is that of a round base, and without a fullness that is that of half of an
-    /// ellipsoid.
-    fn in_few_words(&self) -> Self {
-        let round = 2.0 * self.base_radius_mm;
-        let base_height_mm =
-            self.base_height_mm.filter(|height| (height - round).abs() > 1e-9 * round);
-        let fullness = self.fullness.filter(|of| (of - HALF_ELLIPSOID).abs() > 1e-9);
-        Self { base_height_mm, fullness, ..*self }
-    }
-
-    /// Base width, projection and volume.
-    ///
-    /// # Errors
-    /// One line if base, projection or fullness is out of its limits.
-    pub fn size(&self) -> Result<Size, ClinicalError> {
-        let width = 2.0 * self.base_radius_mm;
-        let few = self.in_few_words();
-        let size = Size::of_width_and_projection(width, self.projection_mm)?
-            .with_fullness(few.fullness())?;
-        Ok(match few.base_height_mm {
-            Some(height) => size.with_aspect(height / width),
-            None => size,
-        })
-    }
-}
-
 /// Grid and tolerance of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
@@ -437,34 +305,27 @@ impl Scene {
     /// Do two scenes have the same equilibrium? The names of their tissues, the patients, sides and visits may differ.
     #[must_use]
     pub fn same_physics(&self, other: &Self) -> bool {
-        let of = |scene: &Self| {
-            let Self {
-                implant,
-                implant_reference: _,
-                pocket_radius_mm,
-                body,
-                chest: _,
-                chest_grid: _,
-                thickness_field: _,
-                insertion,
-                layers: _,
-                patient: _,
-                side: _,
-                visit: _,
-                springs,
-                solver,
-            } = scene;
-            // Patch and attachment belong to layered tissue.
-            let body = Some(*body).filter(|_| scene.is_layered());
-            let cells = solver.cells_through.unwrap_or_default();
-            let grid = (solver.nodes_per_side, solver.tolerance, body.map(|_| cells));
-            (implant.in_few_words(), *pocket_radius_mm, body, *insertion, *springs, grid)
+        self == other || self.physics() == other.physics()
+    }
+
+    /// The scene without what its equilibrium does not depend on.
+    fn physics(&self) -> Self {
+        let mut scene = Self {
+            implant: self.implant.in_few_words(),
+            implant_reference: String::new(),
+            patient: None,
+            side: None,
+            visit: None,
+            ..self.clone()
         };
-        of(self) == of(other)
-            && (self.chest, &self.chest_grid) == (other.chest, &other.chest_grid)
-            && self.thickness_field == other.thickness_field
-            && self.layers.len() == other.layers.len()
-            && self.layers.iter().zip(&other.layers).all(|(a, b)| a.same_physics(b))
+        scene.layers.iter_mut().for_each(|layer| layer.tissue.clear());
+        let cells = scene.solver.cells_through.unwrap_or_default();
+        scene.solver.cells_through = scene.is_layered().then_some(cells);
+        if !scene.is_layered() {
+            // Patch and attachment belong to layered tissue.
+            scene.body = Body::around(scene.pocket_radius_mm, scene.body.tissue_model);
+        }
+        scene
     }
 }
 

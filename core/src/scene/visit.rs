@@ -209,29 +209,7 @@ impl Scene {
     /// Are two scenes equal but for their visits?
     #[must_use]
     pub fn is_same_plan(&self, other: &Self) -> bool {
-        // All fields are named, so that a new one is not forgotten.
-        fn plan(scene: &Scene) -> impl PartialEq {
-            let Scene {
-                implant,
-                implant_reference,
-                pocket_radius_mm,
-                body,
-                chest,
-                chest_grid,
-                insertion,
-                layers,
-                thickness_field,
-                patient,
-                side,
-                visit: _,
-                springs,
-                solver,
-            } = scene;
-            let tissue = (layers, thickness_field, patient, side, springs);
-            let implant = (implant, implant_reference);
-            (implant, pocket_radius_mm, body, chest, chest_grid, insertion, tissue, solver)
-        }
-        plan(self) == plan(other)
+        self == other || self.visit != other.visit && self.without_visit() == other.without_visit()
     }
 
     /// Is the breast the patient's right one? Numbers and coordinates are those of a left one; pictures and meshes are mirrored in x.

@@ -1,8 +1,9 @@
 //! A scene as it is written: the members of [`Scene`] in the form of a file.
 
+use super::implant::Named;
 use super::{
-    Body, ChestGrid, ChestShape, Implant, Layer, Patient, SCENE_SCHEMA, Scene, Side,
-    SolverSettings, Springs, ThicknessGrid, Visit,
+    Body, ChestGrid, ChestShape, Layer, Patient, SCENE_SCHEMA, Scene, Side, SolverSettings,
+    Springs, ThicknessGrid, Visit,
 };
 use serde::{Serialize, Serializer};
 
@@ -30,15 +31,6 @@ struct Written<'a> {
     visit: &'a Option<Visit>,
     springs: Springs,
     solver: SolverSettings,
-}
-
-/// An implant with its reference.
-#[derive(Serialize)]
-struct Named<'a> {
-    #[serde(flatten)]
-    implant: Implant,
-    #[serde(skip_serializing_if = "str::is_empty")]
-    reference: &'a str,
 }
 
 impl Serialize for Scene {

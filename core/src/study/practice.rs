@@ -4,7 +4,7 @@
 use super::{Case, Cases, Job, Quantity, Study};
 use crate::clinical::{Measurements, PracticeTable, PracticeVolume, STEP_ML, Size};
 use crate::measure::bands::PracticeStretch;
-use crate::scene::{Body, Implant, Scene};
+use crate::scene::{Implant, Scene};
 use crate::springs::Springs;
 
 /// Margin of the pocket around practice's implant \[mm\].
@@ -129,30 +129,22 @@ pub fn has_shape_of_practice(plan: &Scene) -> bool {
 /// Have two plans the same practice: the same tissue, chest, measurements, base width and settings of the solver?
 #[must_use]
 pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
-    // All fields are named, so that a new one is not forgotten.
-    fn subject(scene: &Scene) -> impl PartialEq {
-        let Scene {
-            implant: _,
-            implant_reference: _,
-            pocket_radius_mm: _,
-            body,
-            chest,
-            chest_grid,
-            insertion: _,
-            layers,
-            thickness_field,
-            patient,
-            side: _,
-            visit: _,
-            springs,
-            solver,
-        } = scene;
-        let measured = patient.as_ref().map(|patient| patient.measured);
-        let patch_radius_mm = if scene.has_default_patch() { 0.0 } else { body.patch_radius_mm };
-        let body = Body { patch_radius_mm, ..*body };
-        let tissue = (layers, thickness_field, measured, springs);
-        (breast_width_mm(scene).to_bits(), body, chest, chest_grid, tissue, solver)
-    }
+    let subject = |scene: &Scene| {
+        let mut subject = Scene {
+            implant: Implant::default(),
+            implant_reference: String::new(),
+            pocket_radius_mm: 0.0,
+            insertion: 1.0,
+            side: None,
+            visit: None,
+            ..scene.clone()
+        };
+        if scene.has_default_patch() {
+            subject.body.patch_radius_mm = 0.0;
+        }
+        subject.patient.iter_mut().for_each(|patient| patient.derived.clear());
+        (breast_width_mm(scene).to_bits(), subject)
+    };
     subject(a) == subject(b)
 }
 
