@@ -4,7 +4,7 @@ use super::scenes::{self, log_uniform, uniform};
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Fat};
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, Field, Implant, Layer, Scene, SolverSettings, Springs,
+    AttachmentSettings, Body, CellsThrough, Field, Implant, Layer, Scene, SolverSettings,
     TissueModel, limits,
 };
 use std::f64::consts::TAU;
@@ -52,24 +52,12 @@ pub(super) fn extreme(rng: &mut Rng) -> Scene {
 /// The scene that both populations start from.
 fn start() -> Scene {
     Scene {
-        implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
-        implant_reference: String::new(),
-        pocket_radius_mm: 70.0,
-        body: Body::around(70.0, TissueModel::Layered),
-        chest: None,
-        chest_grid: None,
-        thickness_field: None,
-        insertion: 1.0,
-        layers: vec![Layer::skin(), Layer::adipose()],
-        patient: None,
-        side: None,
-        visit: None,
-        springs: Springs::Coupled,
         solver: SolverSettings {
             nodes_per_side: 33,
             tolerance: 1e-4,
             cells_through: Some(CellsThrough::Auto),
         },
+        ..Scene::default()
     }
 }
 

@@ -24,24 +24,16 @@ pub(super) fn log_uniform(rng: &mut Rng, (least, most): (f64, f64)) -> f64 {
 /// A random sheet within all limits.
 pub(super) fn scene(rng: &mut Rng) -> Scene {
     let mut scene = Scene {
-        implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
-        implant_reference: String::new(),
-        pocket_radius_mm: 70.0,
         body: Body::around(70.0, TissueModel::Sheet),
-        chest: None,
-        chest_grid: None,
-        thickness_field: None,
         insertion: insertion(rng),
         layers: layers(rng),
-        patient: None,
-        side: None,
-        visit: None,
         springs: if rng.u8(0..100) < 85 { Springs::Coupled } else { Springs::Nikolaev },
         solver: SolverSettings {
             nodes_per_side: nodes(rng),
             tolerance: tolerance(rng),
             cells_through: None,
         },
+        ..Scene::default()
     };
     dome_and_pocket(rng, &mut scene);
     scene

@@ -4,7 +4,7 @@ use crate::axisymmetric_layers::Mound;
 use implant_preview_core::curve::CurveSpec;
 use implant_preview_core::scene::{
     AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, Scene, SolverSettings,
-    Springs, ThicknessGrid, TissueModel,
+    ThicknessGrid, TissueModel,
 };
 use serde::{Deserialize, Serialize};
 
@@ -110,19 +110,11 @@ impl Case {
                 projection_mm: radius,
                 ..Implant::default()
             },
-            implant_reference: String::new(),
             pocket_radius_mm,
             body: Body::around(pocket_radius_mm, TissueModel::Sheet),
-            chest: None,
-            chest_grid: None,
-            thickness_field: None,
-            insertion: 1.0,
             layers,
-            patient: None,
-            side: None,
-            visit: None,
-            springs: Springs::Coupled,
             solver: SolverSettings { nodes_per_side, tolerance, cells_through: None },
+            ..Scene::default()
         };
         let layered = |[radius, projection]: [f64; 2], pocket: f64, kpa_per_mm, cells, layers| {
             let mut scene = sheet(radius, pocket, layers);
