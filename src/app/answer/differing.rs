@@ -6,7 +6,7 @@
 use crate::app::plan::{chest_in_words, shape_in_words};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
-use crate::scene::Scene;
+use crate::scene::{Field, Scene};
 use crate::session::{Pin, Session};
 
 /// A value of a patient or a pocket.
@@ -15,20 +15,39 @@ struct Given {
     /// Unit behind the name in a table and behind the value in a sentence; empty for words.
     unit: &'static str,
     /// Value of a scene; a dash without one.
-    value: fn(&Scene) -> String,
+    value: Value,
     /// Does the caption of a picture contain the value? A pinch determines the thickness.
     is_in_captions: bool,
 }
 
+/// The value of a scene.
+#[derive(Clone, Copy)]
+enum Value {
+    Words(fn(&Scene) -> String),
+    Number(Field),
+}
+
+use Value::{Number, Words};
+
 const GIVEN: [Given; 8] = [
-    Given { name: "Implant", unit: "", value: reference, is_in_captions: false },
-    Given { name: "Shape", unit: "", value: shape_in_words, is_in_captions: false },
-    Given { name: "Skin", unit: "", value: skin, is_in_captions: true },
-    Given { name: "Pinch", unit: "cm", value: pinch, is_in_captions: true },
-    Given { name: "Skin and fat at rest", unit: "mm", value: thickness, is_in_captions: false },
-    Given { name: "Thickness of the skin", unit: "mm", value: of_skin, is_in_captions: false },
-    Given { name: "Chest", unit: "", value: chest_in_words, is_in_captions: true },
-    Given { name: "Margin of the pocket", unit: "cm", value: margin, is_in_captions: true },
+    Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
+    Given { name: "Shape", unit: "", value: Words(shape_in_words), is_in_captions: false },
+    Given { name: "Skin", unit: "", value: Words(skin), is_in_captions: true },
+    Given { name: "Pinch", unit: "cm", value: Number(Field::Pinch), is_in_captions: true },
+    Given {
+        name: "Skin and fat at rest",
+        unit: "mm",
+        value: Words(thickness),
+        is_in_captions: false,
+    },
+    Given {
+        name: "Thickness of the skin",
+        unit: "mm",
+        value: Words(of_skin),
+        is_in_captions: false,
+    },
+    Given { name: "Chest", unit: "", value: Words(chest_in_words), is_in_captions: true },
+    Given { name: "Margin of the pocket", unit: "cm", value: Words(margin), is_in_captions: true },
 ];
 
 /// The maker's name of the implant.
@@ -50,11 +69,6 @@ fn skin(scene: &Scene) -> String {
     }
 }
 
-fn pinch(scene: &Scene) -> String {
-    let pinch = scene.patient.as_ref().and_then(|patient| patient.measured.pinch_mm);
-    pinch.map_or_else(|| "–".to_owned(), |mm| format_at_most(0.1 * mm, 1, 2))
-}
-
 fn thickness(scene: &Scene) -> String {
     let sum: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
     fixed(sum, 1)
@@ -68,36 +82,55 @@ fn margin(scene: &Scene) -> String {
     format_at_most(0.1 * (scene.pocket_radius_mm - scene.implant.greatest_half_axis_mm()), 1, 2)
 }
 
+impl Given {
+    /// A number without code of its own.
+    fn of(number: Field) -> Self {
+        let value = Number(number);
+        Self { name: number.label, unit: number.scale.unit, value, is_in_captions: false }
+    }
+
+    fn of_scene(&self, scene: &Scene) -> String {
+        match self.value {
+            Words(words) => words(scene),
+            Number(number) => {
+                let decimals = number.scale.decimals;
+                let text = |value| format_at_most(value, decimals, decimals.max(2));
+                number.shown(scene).map_or_else(|| "–".to_owned(), text)
+            }
+        }
+    }
+}
+
 /// The values that differ between the plan and its pins.
-fn differing(session: &Session) -> impl Iterator<Item = &'static Given> {
-    let differs = move |given: &&Given| {
-        let own = (given.value)(session.scene());
-        session.pins().iter().any(|pin| (given.value)(pin.scene()) != own)
+fn differing(session: &Session) -> impl Iterator<Item = Given> {
+    let differs = move |given: &Given| {
+        let own = given.of_scene(session.scene());
+        session.pins().iter().any(|pin| given.of_scene(pin.scene()) != own)
     };
-    GIVEN.iter().filter(differs)
+    GIVEN.into_iter().chain(Field::PLAIN.map(Given::of)).filter(differs)
 }
 
 /// The values that differ, a row each: the name with the unit, then the plan's value and those of the pins.
 pub(crate) fn rows(session: &Session) -> Vec<(String, Vec<String>)> {
-    let row = |given: &Given| {
+    let row = |given: Given| {
         let name = match given.unit {
             "" => tr(given.name).to_owned(),
             unit => format!("{}, {unit}", tr(given.name)),
         };
         let scenes = [session.scene()].into_iter().chain(session.pins().iter().map(Pin::scene));
-        (name, scenes.map(given.value).collect())
+        (name, scenes.map(|scene| given.of_scene(scene)).collect())
     };
     differing(session).map(row).collect()
 }
 
 /// The values that differ, as words about a scene of the session: "Skin tight, pinch 2.5 cm"; empty if none differs.
 pub(crate) fn in_words(session: &Session) -> impl Fn(&Scene) -> String {
-    let given: Vec<&Given> = differing(session).filter(|given| given.is_in_captions).collect();
+    let given: Vec<Given> = differing(session).filter(|given| given.is_in_captions).collect();
     move |scene| {
         let words = given.iter().enumerate().map(|(k, given)| {
             let name = tr(given.name);
             let name = if k == 0 { name.to_owned() } else { name.to_lowercase() };
-            format!("{name} {} {}", (given.value)(scene), given.unit).trim_end().to_owned()
+            format!("{name} {} {}", given.of_scene(scene), given.unit).trim_end().to_owned()
         });
         words.collect::<Vec<_>>().join(", ")
     }
@@ -156,6 +189,11 @@ mod tests {
         let shapes = ["anatomical, 10.8 cm high", "round"];
         assert_eq!(rows(&session)[0], row("Shape", shapes));
         scene.implant.base_height_mm = None;
+        // A number without code of its own has a row as it has a name.
+        scene.implant.fullness = Some(0.75);
+        session.apply(edit(&scene)).unwrap();
+        assert!(rows(&session).contains(&row("Fullness", ["0.75", "0.67"])));
+        scene.implant.fullness = None;
         // A pinch has its thicknesses.
         scene.apply_patient(Measurements { pinch_mm: Some(30.0), ..tight }).unwrap();
         scene.pocket_radius_mm -= 5.0;

@@ -69,6 +69,7 @@ fn rows(layers: usize) -> Vec<Row> {
         Row::of_plan("Radius of the chest across", Field::ChestAcross),
         Row::of_plan("Radius of the chest along", Field::ChestAlong),
     ];
+    rows.extend(Field::PLAIN.map(|number| Row::of_plan(number.label, number)));
     for k in 0..layers {
         rows.push(Row::new(
             format!("Thickness at rest, layer {}", k + 1),
@@ -220,6 +221,7 @@ mod tests {
                 assert!((read / of(outcome) - 1.0).abs() < 1e-8, "{name}: {read}");
             }
         }
+        assert!(values("Fullness", "").iter().all(|value| (value - 2.0 / 3.0).abs() < 1e-8));
         assert!(read.iter().all(|row| row.len() == 4 && row.iter().all(|cell| cell.is_ascii())));
     }
 }

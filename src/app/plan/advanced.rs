@@ -1,4 +1,4 @@
-//! The folded parts of the plan. Tissue: insertion, fat, layers and curves. Advanced: accuracy, fullness, tissue model, patch and attachment,
+//! The folded parts of the plan. Tissue: insertion, fat, layers and curves. Advanced: accuracy, numbers without code of their own, tissue model, patch and attachment,
 //! springs.
 
 use super::device::Device;
@@ -6,7 +6,7 @@ use super::fat;
 use crate::app::answer::stability;
 use crate::app::curve_editor;
 use crate::app::frame::research;
-use crate::app::plan::{self, Hand, chip, chips};
+use crate::app::plan::{Hand, chip, chips, plain};
 use crate::app::texts::{self, tr};
 use crate::app::widgets::theme::{SPACE, SPACE_SMALL};
 use crate::app::widgets::{Control, button_if, choice, group, labelled_box, set_accessible_name};
@@ -40,14 +40,15 @@ pub(crate) fn tissue(
     fold.body_returned.flatten()
 }
 
-/// Shows the fold of accuracy, fullness and model, closed at first: without "Research" only what differs from its default, and no fold
+/// Shows the fold of accuracy, plain numbers and model, closed at first: without "Research" only what differs from its default, and no fold
 /// without such a difference.
 pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand) {
     let is_on = research::is_on(ui.ctx());
-    let is_full = scene.implant.fullness.is_some();
-    let [has_accuracy, has_fullness, has_model] =
-        [!has_usual_accuracy(scene), is_full, !is_standard(scene)].map(|differs| is_on || differs);
-    if !(has_accuracy || has_fullness || has_model) {
+    let [has_accuracy, has_model] =
+        [!has_usual_accuracy(scene), !is_standard(scene)].map(|differs| is_on || differs);
+    let mut numbers = Field::PLAIN.to_vec();
+    numbers.retain(|number| is_on || number.is_stated(scene));
+    if numbers.is_empty() && !(has_accuracy || has_model) {
         return;
     }
     let header = egui::CollapsingHeader::new(tr("Advanced")).id_salt("advanced");
@@ -55,8 +56,8 @@ pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
         if has_accuracy {
             accuracy(ui, scene, hand);
         }
-        if has_fullness {
-            fullness(ui, scene);
+        for number in numbers {
+            plain_number(ui, scene, number);
         }
         if has_model {
             method(ui, scene, session);
@@ -85,11 +86,12 @@ pub(crate) fn accuracy_name(scene: &Scene) -> Option<&'static str> {
     ACCURACIES.iter().find_map(name)
 }
 
-/// The fullness of an implant; width and projection stay.
-fn fullness(ui: &mut Ui, scene: &mut Scene) {
-    let Some((control, mut value)) = plan::fullness(scene, Device::of(ui.ctx())) else { return };
+/// A number without code of its own.
+fn plain_number(ui: &mut Ui, scene: &mut Scene, number: Field) {
+    let control = plain::control(scene, number, Device::of(ui.ctx()));
+    let Some((control, mut value)) = control else { return };
     if control.show(ui, &mut value).is_changed {
-        scene.implant.set_fullness(value);
+        plain::set(scene, number, value);
     }
 }
 

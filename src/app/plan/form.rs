@@ -3,13 +3,13 @@
 
 use super::field::{Field, Values};
 use super::{
-    Choices, Device, chest, format_at_most, implant, insertion, mm, patient, pocket, position,
-    set_insertion, shape, visit,
+    Choices, Device, chest, format_at_most, implant, insertion, mm, patient, plain, pocket,
+    position, set_insertion, shape, visit,
 };
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::clinical::{Dimension, SkinClass};
-use crate::scene::Scene;
+use crate::scene::{Field as Row, Scene};
 
 /// A number of the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +17,8 @@ enum Number {
     Size(Dimension),
     /// Height of an anatomical base.
     Height,
-    /// The volume by that of the cylinder around the implant.
-    Fullness,
+    /// A number without code of its own.
+    Plain(Row),
     /// Way of an anatomical implant's apex towards the feet.
     Apex,
     Pinch,
@@ -30,13 +30,15 @@ enum Number {
     InPlace,
 }
 
-/// The numbers by name, in the order of the screen. The choice of the shape is before the width, skin and choice of the chest follow the pinch.
-const NUMBERS: [(&str, Number); 13] = [
+/// The numbers of the size by name, in the order of the screen; the choice of the shape is before the width.
+const OF_SIZE: [(&str, Number); 4] = [
     (WIDTH, Number::Size(Dimension::BaseWidth)),
     ("height_cm", Number::Height),
     ("volume_ml", Number::Size(Dimension::Volume)),
     ("projection_cm", Number::Size(Dimension::Projection)),
-    ("fullness", Number::Fullness),
+];
+/// The numbers after the plain ones; skin and choice of the chest follow the pinch.
+const OTHERS: [(&str, Number); 8] = [
     ("apex_lower_cm", Number::Apex),
     (PINCH, Number::Pinch),
     ("chest_across_cm", Number::Chest(0)),
@@ -52,10 +54,17 @@ const PINCH: &str = "pinch_cm";
 const SKIN: &str = "skin";
 const CHEST: &str = "chest";
 
+/// The numbers by name, in the order of the screen; a plain one has the last name of its path.
+fn numbers() -> impl Iterator<Item = (&'static str, Number)> {
+    let name = |number: Row| number.path.rsplit('.').next().unwrap_or_default();
+    let plain = Row::PLAIN.map(|number| (name(number), Number::Plain(number)));
+    OF_SIZE.into_iter().chain(plain).chain(OTHERS)
+}
+
 /// The fields of the present plan, in the order of the screen.
 pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
-    let mut fields = Vec::with_capacity(NUMBERS.len() + 1);
-    for (name, number) in NUMBERS {
+    let mut fields = Vec::new();
+    for (name, number) in numbers() {
         let has_shape = name == WIDTH && has_shape(choices);
         fields.extend(has_shape.then(|| shape_field(scene)));
         fields.extend(number.control(scene, choices).map(|(control, value)| {
@@ -192,7 +201,7 @@ pub(crate) fn set(
     if let Some(set) = visit::set_form_field(scene, name, text) {
         return set;
     }
-    let number = NUMBERS.into_iter().find(|(known, _)| *known == name);
+    let number = numbers().find(|(known, _)| *known == name);
     let found = number.and_then(|(_, n)| Some((n, n.control(scene, choices)?)));
     let Some((number, (control, before))) = found else {
         let names: Vec<&str> = fields(scene, choices).iter().map(|field| field.name).collect();
@@ -219,7 +228,7 @@ impl Number {
             }
             Self::Height | Self::Apex if choices.device == Device::Expander => return None,
             Self::Height => return shape::height(scene, choices),
-            Self::Fullness => return shape::fullness(scene, choices.device),
+            Self::Plain(number) => return plain::control(scene, number, choices.device),
             Self::Apex => return shape::apex(scene),
             Self::Pinch => patient::pinch_control(scene, &patient::measured(scene)),
             Self::Chest(axis) => return chest::radius(scene, axis),
@@ -241,7 +250,7 @@ impl Number {
                 }
             }
             Self::Height => shape::set_height(scene, choices, value),
-            Self::Fullness => scene.implant.set_fullness(value),
+            Self::Plain(number) => plain::set(scene, number, value),
             Self::Apex => shape::set_apex(scene, value),
             Self::Pinch => {
                 let mut measured = patient::measured(scene);

@@ -1,7 +1,7 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `position`
+//! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `plain` (numbers shown by their rows alone) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`).
 
@@ -15,6 +15,7 @@ mod form;
 mod implant;
 mod insertion;
 mod patient;
+pub(crate) mod plain;
 mod pocket;
 mod position;
 mod practice;
@@ -33,7 +34,7 @@ pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
-pub(super) use shape::{fullness, is_anatomical, shape_in_words};
+pub(super) use shape::{is_anatomical, shape_in_words};
 pub(super) use side::side;
 pub(super) use visit::{
     entries_of_report, missing_for_file, patient_in_words, patient_number, set_fill_steps,
@@ -79,13 +80,14 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
     let margin = scene.pocket_radius_mm - implant.greatest_half_axis_mm();
     let volume = if device == Device::Expander { tr("Fill") } else { tr("Volume") };
-    [
+    let size = [
         Some((tr("Width"), centimetres(width))),
         (!implant.is_round()).then(|| (tr("Shape"), shape_in_words(scene))),
         size.map(|size| (volume, format!("{:.0} ml", size.volume_ml()))),
         Some((tr("Projection"), centimetres(implant.projection_mm))),
         size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),
-        implant.fullness.map(|fullness| (tr("Fullness"), fixed(fullness, 2))),
+    ];
+    let after_size = [
         pinch,
         class,
         pull,
@@ -100,10 +102,9 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
             tr!("{side} to the side, {up} up", side = centimetres(x), up = centimetres(y)),
         )),
         Some((tr("In place"), format!("{:.0} %", 100.0 * scene.insertion))),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    ];
+    let plain = plain::rows(scene).map(Some);
+    size.into_iter().chain(plain).chain(after_size).flatten().collect()
 }
 
 /// The implant of a device in a line with the maker's name, as "Implant RD-275: round, 12 cm wide, 275 ml, projection 4.3 cm".

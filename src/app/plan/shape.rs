@@ -1,11 +1,10 @@
 //! The shape of the implant: round, or anatomical, with a height of its own and a lower apex; sizes keep its proportions.
 
-use super::{Choices, Device, Hand, cm, mm, row};
+use super::{Choices, Hand, cm, mm, row};
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::app::widgets::quantity::{format_at_most, significant};
 use crate::clinical::{Dimension, Size, limits};
-use crate::contact::HALF_ELLIPSOID;
 use crate::scene::{self, Field, Implant, Scene};
 use eframe::egui::Ui;
 
@@ -171,12 +170,6 @@ pub(super) fn set_height(scene: &mut Scene, choices: &Choices, height: f64) {
         set_size(scene, size);
         Field::ApexShift.set(scene, 0, scene.implant.apex_shift_mm);
     }
-}
-
-/// The control of the fullness, and the fullness; `None` for expanders, which have none.
-pub(crate) fn fullness(scene: &Scene, device: Device) -> Option<(Control<'static>, f64)> {
-    let control = || Control { reset: HALF_ELLIPSOID, ..Control::of(Field::Fullness) };
-    (device == Device::Implant).then(|| (control(), scene.implant.fullness()))
 }
 
 /// The control of the way of the apex, and the way \[cm\]; `None` for a round implant.

@@ -1,0 +1,35 @@
+//! The numbers of the plan that are shown by their rows alone, [`Field::PLAIN`]: control, effect, words.
+
+use super::device::Device;
+use crate::app::texts::{fixed, tr};
+use crate::app::widgets::Control;
+use crate::scene::{Field, Scene};
+
+/// The control of a number and its value; `None` for a number of an implant if the plan has an expander.
+pub(crate) fn control(
+    scene: &Scene,
+    number: Field,
+    device: Device,
+) -> Option<(Control<'static>, f64)> {
+    if device == Device::Expander && number.path.starts_with("implant.") {
+        return None;
+    }
+    let control = Control { reset: number.usual(), ..Control::of(number) };
+    Some((control, number.shown(scene)?))
+}
+
+/// Sets a number, in the unit of its control; the usual value is not stated.
+pub(crate) fn set(scene: &mut Scene, number: Field, value: f64) {
+    number.set(scene, 0, value / number.scale.factor);
+    scene.implant = scene.implant.in_few_words();
+}
+
+/// The stated numbers in words: names and values.
+pub(super) fn rows(scene: &Scene) -> impl Iterator<Item = (&'static str, String)> {
+    let stated = Field::PLAIN.into_iter().filter(|number| number.is_stated(scene));
+    stated.filter_map(|number| {
+        let value = fixed(number.shown(scene)?, number.scale.decimals);
+        let words = format!("{value} {}", tr(number.scale.unit));
+        Some((tr(number.label), words.trim_end().to_owned()))
+    })
+}
