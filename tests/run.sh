@@ -71,13 +71,17 @@ run_step() {
   return "$ended"
 }
 
-# Beside the native steps these keep the second core busy.
+# Beside the native steps these keep the second core busy; the last two need the native program.
 run_beside() {
   run page build_page
   # The runner gives up after 20 s unless told otherwise; random scenes take longer on a slow machine.
-  run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 CHROMEDRIVER="$(command -v chromedriver)" \
+  # In a folder of its own: builds in one folder wait for each other.
+  run wasm env WASM_BINDGEN_TEST_TIMEOUT=600 CHROMEDRIVER="$(command -v chromedriver)" CARGO_TARGET_DIR="$TARGET_DIR/wasm" \
     cargo test --locked "${WASM[@]}" --no-default-features --features js-api --test wasm
   run python test_python
+  until [ -e "$LOGS/programs.end" ]; do sleep 1; done
+  run js test_js
+  run browser node --test --test-reporter=tap --test-concurrency=2 tests/browser/*.test.mjs
 }
 
 need_test_tools
@@ -100,6 +104,7 @@ check lint-wasm cargo clippy --locked "${WASM[@]}" --lib --bins --test wasm -- -
 check lint-core-wasm cargo clippy --locked "${WASM[@]}" --workspace --lib --no-default-features -- -D warnings
 check lint-python cargo clippy --manifest-path python/Cargo.toml --locked -- -D warnings
 check docs env RUSTDOCFLAGS=-Dwarnings cargo doc --locked --workspace --no-deps --lib
+check programs cargo test --locked --workspace --no-run
 suite native cargo test --locked --workspace --no-fail-fast
 for example in simulate sweep; do
   check "example-$example" cargo run --locked --quiet --example "$example"
@@ -107,8 +112,8 @@ done
 check page
 suite wasm
 suite python
-suite js test_js
-suite browser node --test --test-reporter=tap --test-concurrency=2 tests/browser/*.test.mjs
+suite js
+suite browser
 
 printf 'in %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))
 printf '%d passed, %d failed\n' "$passed" "$failed"
