@@ -151,7 +151,8 @@ fn close(a: &serde_json::Value, b: &serde_json::Value, path: &str) {
 
 #[test]
 fn an_implant_off_centre_has_its_height_above_the_wall_and_its_cover_along_the_normal() {
-    let mut scene = scene(Some(ChestShape::ROUND));
+    let sphere = ChestShape { radius_across_mm: 120.0, radius_along_mm: Some(120.0) };
+    let mut scene = scene(Some(sphere));
     scene.pocket_radius_mm = 80.0;
     scene.body.patch_radius_mm = 120.0;
     scene.implant.center_mm = [15.0, -10.0];

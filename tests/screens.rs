@@ -187,7 +187,7 @@ fn type_into(harness: &mut Harness<'static, App>, field: &str, text: &str) {
 /// The sentence with the largest volume that stays usual on 12 cm and the next width, once that is known.
 fn largest_usual(harness: &mut Harness<'static, App>) -> String {
     wait_until(harness, "the largest volume", |harness| {
-        text_with(harness, " with the same stretch; ")
+        text_with(harness, " within that stretch; ")
     })
 }
 

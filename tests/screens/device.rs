@@ -69,11 +69,27 @@ fn the_words_of_an_expander_are_those_of_a_fill_at_once_everywhere() {
     harness.run();
     harness.get_by_label("Stretch if filled at once");
     harness.get_by_label("Pressure if filled at once");
-    harness.get_by_label("Filled by week the skin grows meanwhile: see “Filling”.");
+    harness.get_by_label("Filled by week the skin grows meanwhile, which the model leaves out.");
     harness.get_by_label_contains("300 ml, 12 cm: if filled at once, ");
     let summary = harness.state().summary();
     assert!(summary.contains("12 cm wide. If filled at once: Skin stretch "), "{summary}");
     press(&mut harness, "round");
     harness.run();
     assert!(harness.query_by_label_contains("at once").is_none());
+}
+
+#[test]
+fn undo_brings_an_anatomical_implant_back_from_an_expander() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    press(&mut harness, "anatomical");
+    settle(&mut harness);
+    let anatomical = harness.state().session().scene().clone();
+    press(&mut harness, "expander");
+    settle(&mut harness);
+    harness.get_by_label("Stretch if filled at once");
+    press(&mut harness, "Undo");
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene(), &anatomical);
+    assert!(harness.query_by_label("Stretch if filled at once").is_none());
+    harness.get_by_role_and_label(Role::SpinButton, "Height (cm)");
 }

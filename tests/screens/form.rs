@@ -56,3 +56,20 @@ fn another_plan_ends_the_push() {
     harness.get_by_label("Show insertion");
     assert_eq!(harness.state().session().scene().insertion, 0.55);
 }
+
+#[test]
+fn a_typed_number_is_dropped_when_another_plan_opens() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    // Another plan of the same width.
+    let mut other = flat_plan();
+    other.implant.projection_mm = 40.0;
+    harness.get_by_role_and_label(Role::SpinButton, "Width (cm)").focus();
+    harness.run();
+    harness.event(egui::Event::Text("13".to_owned()));
+    harness.run();
+    harness.state_mut().open(other.to_json()).unwrap();
+    harness.run();
+    harness.get_by_role_and_label(Role::SpinButton, "Pinch (cm)").focus();
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene().implant, other.implant);
+}

@@ -83,7 +83,7 @@ fn a_plan_without_an_answer_offers_the_largest_that_stays_usual_first() {
     assert_eq!(harness.state().outcome().unwrap().status, Status::Unstable);
     let beyond = "Beyond the sizes sold: the highest profile on 12 cm has 484 ml.";
     assert!(harness.query_all_by_label(beyond).count() > 0);
-    const WORDS: &str = " ml, the most with practice's stretch";
+    const WORDS: &str = " ml, the most within practice's stretch";
     // Without any input, after the search of the nearest plans.
     wait_until(&mut harness, "the largest volume", |harness| text_with(harness, WORDS));
     assert!(harness.query_by_label(LOOKING).is_none());

@@ -33,7 +33,7 @@ fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     harness.state_mut().restore_shelf(SIZES);
     let words =
-        "Largest in stock up to 12 cm with practice's stretch: Low · 200 cc (200 ml on 11.5 cm).";
+        "Largest in stock up to 12 cm within practice's stretch: Low · 200 cc (200 ml on 11.5 cm).";
     wait_until(&mut harness, "the size", |harness| text_with(harness, words));
     let before = harness.state().session().scene().clone();
     let link = harness.get_by_role_and_label(Role::Link, words);
@@ -45,6 +45,11 @@ fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     settle(&mut harness);
     let scene = harness.state().session().scene();
     assert_eq!((scene.implant.base_radius_mm, &*scene.implant_reference), (57.5, "Low · 200 cc"));
+    // The breast keeps its base, and with it practice its volume.
+    assert_eq!(scene.patient.as_ref().unwrap().measured.base_width_mm, Some(120.0));
+    wait_until(&mut harness, "practice", |harness| {
+        text_with(harness, "practice takes 300 ± 30 ml for the measured base of 12 cm; ")
+    });
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &before);
@@ -58,6 +63,6 @@ fn the_largest_size_of_the_shelf_is_as_wide_as_the_measured_breast_at_most() {
         scene.apply_patient(Measurements { base_width_mm: Some(130.0), ..measured }).unwrap();
     });
     harness.state_mut().restore_shelf(SIZES);
-    let words = "Largest in stock up to 13 cm with practice's stretch: Wide · 300 cc";
+    let words = "Largest in stock up to 13 cm within practice's stretch: Wide · 300 cc";
     wait_until(&mut harness, "the size", |harness| text_with(harness, words));
 }

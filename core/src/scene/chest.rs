@@ -30,8 +30,8 @@ const BEYOND_POCKET: &str = "The base of the implant reaches beyond the pocket, 
 impl ChestShape {
     /// The usual chest: its radius across the breasts, straight along the body.
     pub const USUAL: Self = Self { radius_across_mm: 140.0, radius_along_mm: None };
-    /// A round chest, a sphere.
-    pub const ROUND: Self = Self { radius_across_mm: 120.0, radius_along_mm: Some(120.0) };
+    /// A round (barrel) chest: more curved across the body, a little along it.
+    pub const ROUND: Self = Self { radius_across_mm: 120.0, radius_along_mm: Some(600.0) };
 
     /// The radius across (0) or along the body (1) \[mm\].
     pub(super) fn radius(&self, axis: usize) -> Option<f64> {

@@ -216,7 +216,8 @@ mod tests {
             (chest.radius_across_mm, chest.radius_along_mm)
         };
         assert_eq!(sampled(ChestShape::USUAL, 12.0), (152.0, None));
-        assert_eq!(sampled(ChestShape::ROUND, -10.0), (110.0, Some(110.0)));
+        let sphere = ChestShape { radius_across_mm: 120.0, radius_along_mm: Some(120.0) };
+        assert_eq!(sampled(sphere, -10.0), (110.0, Some(110.0)));
         // Not below the limit of the scene, 3/4 of the patch.
         assert_eq!(sampled(ChestShape::USUAL, -60.0), (97.5, None));
         let hollow = ChestShape { radius_across_mm: -200.0, radius_along_mm: Some(500.0) };

@@ -294,7 +294,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
     let line = answer.strain.map_or_else(String::new, |_| match answer.reserve {
         Some(_) if answer.is_filled_at_once() => {
-            tr("Filled by week the skin grows meanwhile: see “Filling”.").to_owned()
+            tr("Filled by week the skin grows meanwhile, which the model leaves out.").to_owned()
         }
         Some(_) => String::new(),
         None => tr!(

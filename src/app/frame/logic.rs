@@ -7,8 +7,8 @@ use super::shared::{LONG, RunningSolve, Shared};
 use super::status::SliceOf;
 use super::{commands, keys, opened, research, toolbar};
 use crate::app::texts::{self, tr};
-use crate::app::widgets::note_cancelled_press;
 use crate::app::widgets::theme;
+use crate::app::widgets::{drop_typed_number, note_cancelled_press};
 use crate::app::{App, Panels, plan};
 use crate::clinical::is_practice_table;
 use crate::measure::no_shape;
@@ -71,6 +71,7 @@ impl App {
         let ctx = ui.ctx().clone();
         self.poll_files(&ctx);
         self.focus.begin_frame(&ctx);
+        self.shared.choices.fit(self.shared.session.scene());
         self.shared.choices.device.note(&ctx);
         research::note(&ctx, self.shared.research);
         if ctx.input(|input| input.pointer.any_pressed()) {
@@ -207,7 +208,7 @@ impl App {
         let is_searched = is_busy || !nearest.is_at_rest(session);
         volume_marks.want_after_rest(ctx, is_searched);
         let bands = uncertainty.choices(scene);
-        volume_marks.advance((scene, &sizes.shelf), bands, practices, studies, is_searched);
+        volume_marks.advance(scene, bands, practices, studies, is_searched);
         shelf_largest.advance(scene, sizes, practices, studies, is_busy);
         let is_known = volume_marks.is_known(scene);
         uncertainty.advance(session, studies, ctx, practices, is_busy, is_known);
@@ -248,7 +249,11 @@ impl App {
     pub(crate) fn apply(&mut self, command: Command) -> Result<(), CommandError> {
         let counted = |session: &Session| (session.revision(), session.counters().solves);
         let before = counted(&self.shared.session);
+        let is_other_plan = matches!(command, Command::Open(_) | Command::OpenPin(_));
         self.shared.session.apply(command)?;
+        if is_other_plan {
+            drop_typed_number(&self.ctx);
+        }
         self.notice = None;
         self.edits.is_scene_replaced = true;
         let now = counted(&self.shared.session);

@@ -21,7 +21,7 @@ pub(super) const CHOICES: [ChestChoice; 3] = [
     (
         "round",
         Some(ChestShape::ROUND),
-        "Radius of curvature 12 cm across the body and along it, a sphere.",
+        "A barrel chest: radius of curvature 12 cm across the body, 60 cm along it.",
     ),
 ];
 
@@ -43,7 +43,7 @@ pub(crate) fn chest_in_words(scene: &Scene) -> String {
         [None, _] if scene.chest_grid.is_some() => tr("from a grid of heights").to_owned(),
         [None, _] => tr("flat").to_owned(),
         [Some(across), None] => tr!("radius {across} cm across", across),
-        [Some(across), Some(along)] if across == along => tr!("round, radius {across} cm", across),
+        [Some(across), Some(along)] if across == along => tr!("sphere, radius {across} cm", across),
         [Some(across), Some(along)] => {
             tr!("radius {across} cm across, {along} cm along", across, along)
         }
@@ -164,7 +164,7 @@ mod tests {
             scene.chest = chest;
             assert_eq!((choice(&scene), scene.validate()), (Some(word), Ok(())));
         }
-        assert_eq!(chest_in_words(&scene), "round, radius 12 cm");
+        assert_eq!(chest_in_words(&scene), "radius 12 cm across, 60 cm along");
         set_radius(&mut scene, 0, 14.5);
         set_radius(&mut scene, 1, 60.0);
         assert_eq!(choice(&scene), None);

@@ -151,7 +151,7 @@ fn chest_field(scene: &Scene) -> Field {
         label: tr("Chest"),
         unit: "",
         text: chest::choice(scene).unwrap_or_default().to_owned(),
-        hint: tr("Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and along.")
+        hint: tr("Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and 60 cm along.")
             .to_owned(),
         range: String::new(),
         values: Values::Words {

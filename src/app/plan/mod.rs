@@ -150,6 +150,15 @@ pub(super) struct Choices {
     pub(super) last: Option<Dimension>,
 }
 
+impl Choices {
+    /// An anatomical plan that comes back by the history, a pin or a file is no expander's.
+    pub(super) fn fit(&mut self, scene: &Scene) {
+        if is_anatomical(&scene.implant) {
+            self.device = Device::Implant;
+        }
+    }
+}
+
 impl Default for Choices {
     fn default() -> Self {
         Self { device: Device::Implant, follows: Dimension::Projection, last: None }

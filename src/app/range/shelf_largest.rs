@@ -126,7 +126,7 @@ fn words(width_mm: f64, largest: Option<(&ShelfSize, &Scene)>, is_practice: bool
     let (name, size) = (size.label(), texts::shown(&size_in_words(plan)));
     if is_practice {
         tr!(
-            "Largest in stock up to {width} with practice's stretch: {name} ({size}).",
+            "Largest in stock up to {width} within practice's stretch: {name} ({size}).",
             width,
             name,
             size
@@ -151,7 +151,7 @@ mod tests {
             [(largest, true), (largest, false), (None, true), (None, false)]
                 .map(|(largest, is_practice)| words(120.0, largest, is_practice)),
             [
-                "Largest in stock up to 12 cm with practice's stretch: SR-275H · 275 cc (275 ml on 11 cm).",
+                "Largest in stock up to 12 cm within practice's stretch: SR-275H · 275 cc (275 ml on 11 cm).",
                 "Largest in stock up to 12 cm that stays usual: SR-275H · 275 cc (275 ml on 11 cm).",
                 "No size in stock up to 12 cm has practice's stretch or less.",
                 "No size in stock up to 12 cm stays usual.",

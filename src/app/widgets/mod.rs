@@ -9,7 +9,7 @@ mod rail;
 pub(crate) mod theme;
 
 pub(super) use control::{Control, ControlResponse, rejection_label};
-pub(super) use number_field::NumberField;
+pub(super) use number_field::{NumberField, drop_typed_number};
 pub(super) use quantity::Kind;
 
 use crate::app::texts::tr;

@@ -71,6 +71,15 @@ pub(super) fn focus_key() -> Id {
     Id::unique("number field with the focus")
 }
 
+/// Drops what is typed in the number field with the focus: it belongs to another plan.
+pub(crate) fn drop_typed_number(ctx: &egui::Context) {
+    ctx.data_mut(|data| {
+        if let Some(id) = data.get_temp::<Id>(focus_key()) {
+            data.remove::<Edit>(id);
+        }
+    });
+}
+
 impl NumberField<'_> {
     pub(crate) fn show(self, ui: &mut Ui, value: &mut f64) -> FieldResponse {
         let id = ui.make_persistent_id((self.name, "number"));

@@ -15,7 +15,7 @@ use crate::app::answer::practice::{Against, Practices};
 use crate::app::frame::studies::Studies;
 use crate::app::texts::tr;
 use crate::app::widgets::quantity::format_at_most;
-use crate::clinical::{STEP_ML, Shelf, ShelfSize};
+use crate::clinical::STEP_ML;
 use crate::scene::Scene;
 use crate::study::{
     BandsSettings, Map, Parameter, Quantity, breast_width_mm, has_shape_of_practice, with_values,
@@ -27,8 +27,6 @@ use width::{MOST_RATIO, Width};
 
 /// Share of the greatest volume with an answer from which a plan is near the model's limit \[-\].
 const NEAR_END: f64 = 0.9;
-/// Greatest step to the next width of the shelf \[mm\].
-const MOST_STEP_MM: f64 = 20.0;
 /// Rest of the first plan before its marks are computed.
 const REST: Duration = Duration::from_millis(300);
 
@@ -73,7 +71,7 @@ impl VolumeMarks {
     /// are complete; `is_busy`: the plan is being solved or edited, or the nearest plans with an answer are searched.
     pub(crate) fn advance(
         &mut self,
-        (scene, shelf): (&Scene, &Shelf),
+        scene: &Scene,
         bands: Option<(BandsSettings, bool)>,
         practices: &Practices,
         studies: &mut Studies,
@@ -88,24 +86,18 @@ impl VolumeMarks {
         if self.own.advance(studies, is_shown, against) {
             self.band.cancel(studies);
         }
-        self.advance_beside(shelf, practices, studies, is_busy);
+        self.advance_beside(practices, studies, is_busy);
         let curve = self.own.curve().map(|curve| (curve.base(), curve.axes()[0]));
         self.band.advance(curve, |plan| practices.greatest(plan), bands, studies, is_busy);
     }
 
     /// The volumes of the next width, after those of the plan's own.
-    fn advance_beside(
-        &mut self,
-        shelf: &Shelf,
-        practices: &Practices,
-        studies: &mut Studies,
-        is_busy: bool,
-    ) {
+    fn advance_beside(&mut self, practices: &Practices, studies: &mut Studies, is_busy: bool) {
         if !is_busy
             && self.own.largest_ml().is_some()
             && let Some(curve) = self.own.curve()
         {
-            let next = next_width(2.0 * curve.base().implant.base_radius_mm, shelf);
+            let next = next_width(2.0 * curve.base().implant.base_radius_mm);
             let has_width =
                 |beside: &Map| (2.0 * beside.base().implant.base_radius_mm - next).abs() < 1e-6;
             if !self.beside.any_curve().is_some_and(has_width) {
@@ -246,7 +238,7 @@ impl VolumeMarks {
         let base = self.own.curve()?.base();
         let scene = with_values(base, &[(Parameter::Volume, volume)]).ok()?;
         let words = match self.own.is_against_practice() {
-            true => tr!("{volume:.0} ml, the most with practice's stretch", volume),
+            true => tr!("{volume:.0} ml, the most within practice's stretch", volume),
             false => tr!("{volume:.0} ml, the largest that stays usual", volume),
         };
         Some((scene, words))
@@ -309,10 +301,10 @@ fn against_practice(largest: Option<String>, end: Option<&Mark>, plan: &Scene) -
         Some(volume) if thin => tr!("up to {volume}, then the cover is thin", volume),
         Some(volume) if pressure => tr!("up to {volume}, then the pressure is high", volume),
         Some(volume) if has_shape_of_practice(plan) => {
-            tr!("this skin carries up to {volume} with the same stretch", volume)
+            tr!("this skin carries up to {volume} within that stretch", volume)
         }
         Some(volume) => {
-            tr!("this skin carries up to {volume} of this shape with the same stretch", volume)
+            tr!("this skin carries up to {volume} of this shape within that stretch", volume)
         }
         None if thin => tr("the cover is thin with every volume").to_owned(),
         None if pressure => tr("the pressure is high with every volume").to_owned(),
@@ -320,13 +312,9 @@ fn against_practice(largest: Option<String>, end: Option<&Mark>, plan: &Scene) -
     }
 }
 
-/// The next width \[mm\]: the next one of the shelf within [`MOST_STEP_MM`], else the next whole centimetre at least half a
-/// centimetre wider.
-fn next_width(width_mm: f64, shelf: &Shelf) -> f64 {
-    let widths = shelf.sizes().iter().map(ShelfSize::width_mm);
-    let wider = widths.filter(|other| *other > width_mm + 0.5 && *other <= width_mm + MOST_STEP_MM);
-    let next = wider.fold(f64::INFINITY, f64::min);
-    if next.is_finite() { next } else { 10.0 * ((width_mm + 5.0) / 10.0).ceil() }
+/// The next width \[mm\]: the next whole centimetre at least half a centimetre wider.
+fn next_width(width_mm: f64) -> f64 {
+    10.0 * ((width_mm + 5.0) / 10.0).ceil()
 }
 
 /// A plan with the whole implant in place.
@@ -356,15 +344,9 @@ mod tests {
     use crate::study::NoPractice;
 
     #[test]
-    fn the_next_width_is_that_of_the_shelf_or_a_whole_centimetre() {
-        let none = Shelf::default();
+    fn the_next_width_is_a_whole_centimetre() {
         for (width, next) in [(120.0, 130.0), (121.0, 130.0), (127.0, 140.0), (125.0, 130.0)] {
-            assert!((next_width(width, &none) - next).abs() < 1e-9, "{width}");
-        }
-        let shelf = "name;width_mm;volume_ml\na;115;200\nb;124;300\nc;150;500";
-        let shelf = Shelf::from_csv(shelf).unwrap();
-        for (width, next) in [(120.0, 124.0), (124.0, 130.0), (131.0, 150.0)] {
-            assert!((next_width(width, &shelf) - next).abs() < 1e-9, "{width}");
+            assert!((next_width(width) - next).abs() < 1e-9, "{width}");
         }
     }
 
@@ -409,7 +391,7 @@ mod tests {
         let mark = |level, quantity, word| Mark { volume_ml: 330.0, level, quantity, word };
         let as_practice = mark(Some(0), Some(Quantity::GreatestStrain), "as practice");
         for (quantity, expected) in [
-            (Quantity::GreatestStrain, "this skin carries up to 330 ml with the same stretch"),
+            (Quantity::GreatestStrain, "this skin carries up to 330 ml within that stretch"),
             (Quantity::LeastCoverMm, "up to 330 ml, then the cover is thin"),
             (Quantity::GreatestPressureMmhg, "up to 330 ml, then the pressure is high"),
         ] {
@@ -431,7 +413,7 @@ mod tests {
         let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(310.0));
         assert_eq!(
             VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices),
-            "12 cm: practice takes 325 ± 30 ml for the measured base of 13 cm; this skin carries up to 310 ml of this shape with the same stretch."
+            "12 cm: practice takes 325 ± 30 ml for the measured base of 13 cm; this skin carries up to 310 ml of this shape within that stretch."
         );
     }
 
