@@ -69,7 +69,9 @@ fn the_words_of_an_expander_are_those_of_a_fill_at_once_everywhere() {
     harness.run();
     harness.get_by_label("Stretch if filled at once");
     harness.get_by_label("Pressure if filled at once");
-    harness.get_by_label("Filled by week the skin grows meanwhile, which the model leaves out.");
+    harness.get_by_label(
+        "By the skin’s own limits; filled by week the skin grows, which the model leaves out.",
+    );
     harness.get_by_label_contains("300 ml, 12 cm: if filled at once, ");
     let summary = harness.state().summary();
     assert!(summary.contains("12 cm wide. If filled at once: Skin stretch "), "{summary}");

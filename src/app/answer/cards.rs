@@ -293,9 +293,10 @@ fn title(answer: &Answer, implant: &'static str, expander: &'static str) -> &'st
 fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
     let figure = text_of(answer.strain, |v| format!("{:.0} %", 100.0 * v));
     let line = answer.strain.map_or_else(String::new, |_| match answer.reserve {
-        Some(_) if answer.is_filled_at_once() => {
-            tr("Filled by week the skin grows meanwhile, which the model leaves out.").to_owned()
-        }
+        Some(_) if answer.is_filled_at_once() => tr(
+            "By the skin’s own limits; filled by week the skin grows, which the model leaves out.",
+        )
+        .to_owned(),
         Some(_) => String::new(),
         None => tr!(
             "{share} of the skin is above {limit:.0} %.",

@@ -29,7 +29,8 @@ enum Value {
 
 use Value::{Number, Words};
 
-const GIVEN: [Given; 8] = [
+const GIVEN: [Given; 9] = [
+    Given { name: "Breast", unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Words(shape_in_words), is_in_captions: false },
     Given { name: "Skin", unit: "", value: Words(skin), is_in_captions: true },
@@ -51,6 +52,10 @@ const GIVEN: [Given; 8] = [
 ];
 
 /// The maker's name of the implant.
+fn side(scene: &Scene) -> String {
+    scene.side.map_or("–", |side| tr(side.word())).to_owned()
+}
+
 fn reference(scene: &Scene) -> String {
     let reference = &scene.implant_reference;
     if reference.is_empty() { "–".to_owned() } else { reference.clone() }
@@ -140,6 +145,7 @@ pub(crate) fn in_words(session: &Session) -> impl Fn(&Scene) -> String {
 mod tests {
     use super::*;
     use crate::clinical::{Measurements, SkinClass};
+    use crate::scene::Side;
     use crate::session::Command;
 
     #[test]
@@ -202,5 +208,9 @@ mod tests {
         assert_eq!(names[0], "Pinch, cm");
         assert!(names.contains(&"Skin and fat at rest, mm".to_owned()), "{names:?}");
         assert_eq!(in_words(&session)(session.scene()), "Pinch 3.0 cm");
+        // Two pictures side by side are not two sides of a patient unless they say so.
+        scene.side = Some(Side::Right);
+        session.apply(edit(&scene)).unwrap();
+        assert_eq!(in_words(&session)(session.scene()), "Breast right, pinch 3.0 cm");
     }
 }

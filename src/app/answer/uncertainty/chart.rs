@@ -1,6 +1,6 @@
 //! The chart: how much of the spread of a result each unknown explains.
 
-use super::unknowns::words;
+use super::unknowns::{measurement, words};
 use crate::app::texts::tr;
 use crate::app::widgets::theme::{self, SPACE, SPACE_SMALL};
 use crate::app::widgets::{choice, labelled_box, remark, set_accessible_name};
@@ -61,6 +61,18 @@ pub(super) fn bars(ui: &mut Ui, importance: &[(Unknown, Index)], is_running: boo
             rest = 100.0 * rest
         ),
     );
+    if let Some(what) = worth_measuring(importance) {
+        ui.label(tr!("Worth measuring: {what}.", what));
+    }
+}
+
+/// Least share of the spread that makes a measurement worth its while \[-\].
+const WORTH: f64 = 0.1;
+
+/// What to measure for a narrower band: of the unknowns that a clinic can measure the one that explains most.
+fn worth_measuring(importance: &[(Unknown, Index)]) -> Option<&'static str> {
+    let shares = importance.iter().filter(|(_, index)| index.first_order >= WORTH);
+    shares.map(|(unknown, _)| measurement(*unknown)).find_map(|words| words)
 }
 
 /// Shows the bar of an unknown: name in a width \[points\], bar with the standard error, number.
@@ -106,6 +118,17 @@ fn description(unknown: Unknown, index: &Index) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_unknown_that_a_clinic_can_measure_is_named() {
+        let of = |first_order| Index { first_order, total: first_order, standard_error: [0.0; 2] };
+        let stiffness = (Unknown::SkinStressScale, of(0.5));
+        let laxity = (Unknown::SkinStrainScale, of(0.3));
+        let fat = (Unknown::CoverThickness, of(0.05));
+        let words = worth_measuring(&[stiffness, laxity, fat]).unwrap();
+        assert!(words.starts_with("the pull of the skin"), "{words}");
+        assert_eq!(worth_measuring(&[stiffness, fat]), None);
+    }
 
     #[test]
     fn a_bar_is_described_in_words() {

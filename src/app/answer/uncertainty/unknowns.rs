@@ -209,6 +209,17 @@ pub(super) struct Words {
     most_sd: f64,
 }
 
+/// How a clinic measures an unknown; `None` of one that it cannot measure.
+pub(super) fn measurement(unknown: Unknown) -> Option<&'static str> {
+    match unknown {
+        Unknown::SkinStrainScale => Some(tr("the pull of the skin (Skin feels, pull…)")),
+        Unknown::CoverThickness => Some(tr("the pinch, or the fat by ultrasound")),
+        Unknown::SkinThickness => Some(tr("the thickness of the skin, by ultrasound")),
+        Unknown::ChestRadius => Some(tr("the curvature of the chest")),
+        _ => None,
+    }
+}
+
 /// The words of an unknown.
 pub(super) fn words(unknown: Unknown) -> Words {
     let of_plan = Words {
