@@ -50,6 +50,7 @@ use crate::clinical::{Dimension, Size};
 use crate::curve::number;
 use crate::scene::{Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
+pub(super) use patient::new_base;
 use serde::{Deserialize, Serialize};
 
 /// The plan of a device in words: names and values.

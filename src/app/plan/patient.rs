@@ -73,7 +73,7 @@ fn base(
 }
 
 /// Base width of a new measurement \[mm\]: that of the implant.
-fn new_base(scene: &Scene) -> f64 {
+pub(crate) fn new_base(scene: &Scene) -> f64 {
     let (least, most) = limits::MEASURED_WIDTH_MM;
     (2.0 * scene.implant.base_radius_mm).clamp(least, most)
 }

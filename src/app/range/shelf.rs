@@ -6,12 +6,13 @@ use super::shelf_preview::{Decision, Preview};
 use super::{Range, readout};
 use crate::app::frame::action::{Action, Task};
 use crate::app::frame::messages::Notice;
+use crate::app::plan::new_base;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Draft, Shelf, ShelfSize};
 use crate::contact::HALF_ELLIPSOID;
 use crate::scene::{Field, Scene};
-use crate::study::{JudgedMap, Map, Parameter, breast_width_mm, with_values};
+use crate::study::{JudgedMap, Map, Parameter, with_values};
 use eframe::egui::{self, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, Vec2};
 
 /// Radius of a dot, and distance of a pointer that means the dot \[points\].
@@ -138,7 +139,7 @@ fn words(size: &ShelfSize) -> String {
 /// The scene with a size of the shelf: the listed numbers with the maker's name. The pocket keeps its margin, and the breast its base,
 /// that of the plan: practice is the same for all sizes.
 pub(crate) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String> {
-    let (dome, base_mm) = (size.size(), breast_width_mm(scene));
+    let (dome, base_mm) = (size.size(), new_base(scene));
     let mut scene = scene.clone();
     scene.implant.make_round();
     scene.implant.fullness = None;
@@ -154,7 +155,7 @@ pub(crate) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String
     }
     let mut scene = with_values(&scene, &values).map_err(|error| error.to_string())?;
     if let Some(patient) = &mut scene.patient {
-        patient.measured.base_width_mm = Some(base_mm);
+        patient.measured.base_width_mm.get_or_insert(base_mm);
     }
     size.label().clone_into(&mut scene.implant_reference);
     Ok(scene)

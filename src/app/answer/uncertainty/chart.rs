@@ -71,8 +71,8 @@ const WORTH: f64 = 0.1;
 
 /// What to measure for a narrower band: of the unknowns that a clinic can measure the one that explains most.
 fn worth_measuring(importance: &[(Unknown, Index)]) -> Option<&'static str> {
-    let shares = importance.iter().filter(|(_, index)| index.first_order >= WORTH);
-    shares.map(|(unknown, _)| measurement(*unknown)).find_map(|words| words)
+    let mut shares = importance.iter().filter(|(_, index)| index.first_order >= WORTH);
+    shares.find_map(|(unknown, _)| measurement(*unknown))
 }
 
 /// Shows the bar of an unknown: name in a width \[points\], bar with the standard error, number.

@@ -9,6 +9,7 @@ mod width;
 
 pub(crate) use headline::headline;
 
+use super::patient::measured;
 use super::volume_band::VolumeBand;
 use super::volumes::volumes;
 use crate::app::answer::practice::{Against, Practices};
@@ -179,7 +180,7 @@ impl VolumeMarks {
         let is_expander = self.own.is_of_expander();
         let words = match (practice, largest) {
             (Some(ml), largest) => {
-                let takes = match has_measured_base(curve.base()) {
+                let takes = match measured(curve.base()).base_width_mm.is_some() {
                     true => tr!(
                         "{width} cm: practice takes {ml:.0} ± {step:.0} ml for the measured base of {base} cm; ",
                         width,
@@ -320,11 +321,6 @@ fn next_width(width_mm: f64) -> f64 {
 /// A plan with the whole implant in place.
 fn full(plan: &Scene) -> Scene {
     Scene { insertion: 1.0, ..plan.clone() }
-}
-
-/// Is the base of the breast measured, or that of the implant?
-fn has_measured_base(plan: &Scene) -> bool {
-    plan.patient.as_ref().is_some_and(|patient| patient.measured.base_width_mm.is_some())
 }
 
 /// Width of the implant of a scene \[cm\], as "12".
