@@ -8,8 +8,8 @@ use implant_preview::measure::{Field, Status};
 use implant_preview::scene::{CellsThrough, Layer, Scene, Springs};
 use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::{Displayed, Method, Options, Progress, Solver};
-use implant_preview::view::color::{Colouring, Quantity};
 use implant_preview::view::picture::Picture;
+use implant_preview::view::quantity::{Colouring, Quantity};
 use implant_preview::view::section::{Opening, Section};
 
 /// The default scene, of layered tissue.

@@ -1,49 +1,13 @@
-//! Colours of quantities and tissues, and scales of the colour bar.
+//! Colours of strains and tissues, and scales of the colour bar.
 
+use implant_preview_core::measure::MMHG_PER_KPA;
 use implant_preview_core::measure::bands::{self, SkinLimits};
-use implant_preview_core::measure::{Field, MMHG_PER_KPA};
-use implant_preview_core::scene::{Layer, Scene, tissue_in_words};
-
-/// What colours a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Colouring {
-    /// The displayed quantity.
-    pub quantity: Quantity,
-    /// What the strain of the skin is compared with.
-    pub skin: SkinLimits,
-}
 
 /// A colour as sRGB, 0 to 1 each.
 pub type Rgb = [f32; 3];
 
 /// Colours in a look-up table.
 pub const TABLE_SIZE: usize = 256;
-
-/// The quantity that colours the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quantity {
-    /// The tissue's own colour.
-    Tissue,
-    /// Greatest principal strain, in the clinical bands.
-    #[default]
-    Strain,
-    /// Area stretch.
-    AreaStretch,
-    /// Greatest principal stress of a layer, counted from the skin.
-    Stress(usize),
-    /// Contact pressure on the implant.
-    Pressure,
-    /// Layered tissue: greatest principal strain of a layer, counted from the skin; that of the skin in the clinical bands.
-    LayerStrain(usize),
-    /// Layered tissue: thickness of a layer relative to its thickness at rest.
-    Thickness(usize),
-    /// Layered tissue: distance between implant and skin.
-    Cover,
-    /// Layered tissue: pull of the attachment around the pocket.
-    Traction,
-    /// Layered tissue: taut, wrinkled or slack, with strokes along the wrinkles.
-    Wrinkles,
-}
 
 /// The scale of a colour bar.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,81 +28,6 @@ pub struct Scale {
     pub greatest: Option<f32>,
     /// The colours from low to high.
     pub table: Vec<Rgb>,
-}
-
-impl Quantity {
-    /// The nodal field of the quantity; `None` for plain tissue.
-    #[must_use]
-    pub fn field(&self) -> Option<Field> {
-        match *self {
-            Self::Tissue => None,
-            Self::Strain => Some(Field::PrincipalStrain),
-            Self::AreaStretch => Some(Field::AreaStretch),
-            Self::Stress(layer) => Some(Field::Stress(layer)),
-            Self::Pressure => Some(Field::ContactPressure),
-            Self::LayerStrain(layer) => Some(Field::LayerStrain(layer)),
-            Self::Thickness(layer) => Some(Field::ThicknessStretch(layer)),
-            Self::Cover => Some(Field::Cover),
-            Self::Traction => Some(Field::Traction),
-            Self::Wrinkles => Some(Field::WrinkleState),
-        }
-    }
-
-    /// Has a scene this quantity?
-    #[must_use]
-    pub fn is_of(&self, scene: &Scene) -> bool {
-        match *self {
-            Self::Tissue | Self::Strain | Self::AreaStretch | Self::Pressure => true,
-            Self::Stress(layer) => layer < scene.layers.len(),
-            Self::LayerStrain(layer) | Self::Thickness(layer) => {
-                scene.is_layered() && layer < scene.layers.len()
-            }
-            Self::Cover | Self::Traction | Self::Wrinkles => scene.is_layered(),
-        }
-    }
-
-    /// The scale of the colour bar for field values up to the greatest; `None` for plain tissue. `skin`: what the strain of the
-    /// skin is compared with.
-    #[must_use]
-    pub fn scale(&self, greatest: f32, layers: &[Layer], skin: SkinLimits) -> Option<Scale> {
-        let name = |layer: usize| layers.get(layer).map_or("layer", |l| tissue_in_words(&l.tissue));
-        Some(match *self {
-            Self::Tissue => return None,
-            Self::Strain => strain_scale(greatest, skin),
-            Self::LayerStrain(0) => {
-                let title = format!("Stretch of {}", name(0));
-                Scale { title, ..strain_scale(greatest, skin) }
-            }
-            // The limits are those of skin.
-            Self::LayerStrain(layer) => {
-                let high = nice_above(f64::from(greatest).max(0.2)) as f32;
-                let title = format!("Stretch of {}", name(layer));
-                let ticks = (0..=4).map(|k| 0.25 * k as f32 * high);
-                let ticks = ticks.map(|v| (v, format!("{:.0}", 100.0 * v))).collect();
-                Scale { ticks, ..even(title, "%", 0.0, high, sequential) }
-            }
-            Self::Thickness(layer) => {
-                let high = nice_above(f64::from(greatest).max(1.0)) as f32;
-                even(format!("Thickness of {}", name(layer)), "×", 0.0, high, sequential)
-            }
-            // Cover far beside the implant is of no interest.
-            Self::Cover => even("Cover".to_owned(), "mm", 0.0, 20.0, sequential),
-            Self::Traction => {
-                let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
-                even("Pull at the pocket's edge".to_owned(), "kPa", 0.0, high, sequential)
-            }
-            Self::AreaStretch => {
-                let high = nice_above(f64::from(greatest - 1.0).max(0.1)) as f32 + 1.0;
-                even("Area stretch".to_owned(), "×", 1.0, high, sequential)
-            }
-            Self::Stress(layer) => {
-                let high = nice_above(f64::from(greatest).max(1e-3)) as f32;
-                even(format!("Stress in {}", name(layer)), "kPa", 0.0, high, sequential)
-            }
-            Self::Pressure => pressure_scale(greatest),
-            Self::Wrinkles => wrinkle_scale(),
-        })
-    }
 }
 
 /// The greatest finite value, at least 0.
@@ -287,7 +176,7 @@ impl Scale {
 }
 
 /// The strain of a skin in the bands of its limits.
-fn strain_scale(greatest: f32, skin: SkinLimits) -> Scale {
+pub(crate) fn strain_scale(greatest: f32, skin: SkinLimits) -> Scale {
     let (limits, to_limits) = skin.limits();
     let most = most(skin);
     let strain = |limit: f64| (limit / to_limits) as f32;
@@ -316,7 +205,7 @@ fn strain_scale(greatest: f32, skin: SkinLimits) -> Scale {
 const WRINKLES: [Rgb; 3] = [[0.87, 0.84, 0.78], [0.48, 0.66, 0.74], [0.50, 0.42, 0.58]];
 
 /// The state of the skin: three colours, each with its word in place of a number.
-fn wrinkle_scale() -> Scale {
+pub(crate) fn wrinkle_scale() -> Scale {
     let state = |t: f32| WRINKLES[((3.0 * t) as usize).min(2)];
     Scale {
         title: "Wrinkles".to_owned(),
@@ -334,7 +223,7 @@ fn wrinkle_scale() -> Scale {
 }
 
 /// Contact pressure: field values in kPa, labels in mmHg; without contact the colour of skin.
-fn pressure_scale(greatest: f32) -> Scale {
+pub(crate) fn pressure_scale(greatest: f32) -> Scale {
     // The end is one of 20, 40, 80, 100, 200, … mmHg: equal for similar implants.
     let end_mmhg = nice_above((f64::from(greatest) * MMHG_PER_KPA).max(11.0));
     let high = (end_mmhg / MMHG_PER_KPA) as f32;
@@ -359,7 +248,13 @@ fn pressure_scale(greatest: f32) -> Scale {
 /// Fraction of the scale of pressure below which there is no contact \[-\].
 const NO_CONTACT: f32 = 0.015;
 
-fn even(title: String, unit: &'static str, low: f32, high: f32, map: fn(f32) -> Rgb) -> Scale {
+pub(crate) fn even(
+    title: String,
+    unit: &'static str,
+    low: f32,
+    high: f32,
+    map: fn(f32) -> Rgb,
+) -> Scale {
     let decimals = decimals_for(f64::from(high - low) / 4.0);
     let ticks = (0..=4)
         .map(|k| low + (high - low) * k as f32 / 4.0)

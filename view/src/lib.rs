@@ -13,6 +13,7 @@ pub mod mesh;
 pub mod pick;
 pub mod picture;
 pub mod place;
+pub mod quantity;
 pub mod section;
 pub mod side_by_side;
 pub mod strokes;

@@ -1,8 +1,9 @@
 //! The picture of the current shape: meshes, updated only after a change of their content.
 
 use crate::body::Body;
-use crate::color::{self, Colouring, Pattern, Quantity, Rgb, Scale};
+use crate::color::{self, Pattern, Rgb, Scale};
 use crate::mesh::{self, Mesh, Vertex};
+use crate::quantity::{Colouring, Quantity};
 use crate::section::{CapTriangle, Section};
 use crate::strokes;
 use crate::subject::Subject;

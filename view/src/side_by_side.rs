@@ -1,6 +1,7 @@
 //! Colours of pictures side by side: one scale for all, or for stretches of skins with other limits the limits of each skin.
 
-use crate::color::{Quantity, Scale};
+use crate::color::Scale;
+use crate::quantity::Quantity;
 use implant_preview_core::measure::bands::SkinLimits;
 use implant_preview_core::scene::Layer;
 

@@ -6,9 +6,9 @@ use crate::app::texts::Language;
 use crate::scene::Scene;
 use crate::session::Command;
 use crate::view::camera::View;
-use crate::view::color::Quantity;
 use crate::view::cross_section::SectionPlane;
 use crate::view::place::Place;
+use crate::view::quantity::Quantity;
 use eframe::egui::ThemePreference;
 
 /// A command of menus, keys and list.

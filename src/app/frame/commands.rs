@@ -9,7 +9,7 @@ use crate::app::picture::strip::CROSS_SECTION;
 use crate::app::picture::viewport::PictureSubject;
 use crate::app::texts::{Language, tr};
 use crate::view::camera::View;
-use crate::view::color::Quantity;
+use crate::view::quantity::Quantity;
 use eframe::egui::os::OperatingSystem;
 use eframe::egui::{self, Key, Modifiers, Ui};
 

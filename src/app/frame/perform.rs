@@ -16,7 +16,7 @@ use crate::measure::meridians;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError};
 use crate::view::camera::View;
-use crate::view::color::Quantity;
+use crate::view::quantity::Quantity;
 use eframe::egui;
 
 impl App {

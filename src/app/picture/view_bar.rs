@@ -1,6 +1,6 @@
 //! The controls of the picture, on the picture: what it is about, the standard views, on a narrow screen the menu of all else.
 
-use super::view_menu::{VIEWS, quantities, view_menu};
+use super::view_menu::{VIEWS, view_menu};
 use super::viewport::{Options, PictureSubject};
 use crate::app::frame::action::{Action, Task};
 use crate::app::frame::commands::{entry_of, item};
@@ -9,7 +9,7 @@ use crate::app::frame::toolbar::Layout;
 use crate::app::texts::tr;
 use crate::app::widgets::theme;
 use crate::app::widgets::{Kind, NumberField};
-use crate::view::color::Quantity;
+use crate::view::quantity::Quantity;
 use eframe::egui::{self, Rect, Ui, UiBuilder};
 
 /// Shows the controls over the top of the picture's area. Returns their height \[points\].
@@ -21,7 +21,7 @@ pub(crate) fn show(
     actions: &mut Vec<Action>,
 ) -> f32 {
     // A layer or the tissue model may be gone.
-    if !quantities(shared).contains(&shared.options.quantity) {
+    if !shared.options.quantity.is_of(shared.session.scene()) {
         actions.push(Action::ColourBy(Quantity::Strain));
     }
     let inner = area.shrink(theme::SPACE);

@@ -9,7 +9,7 @@ use crate::app::frame::shared::Shared;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::{choice, set_accessible_name};
 use crate::view::camera::View;
-use crate::view::color::Quantity;
+use crate::view::quantity::Quantity;
 use eframe::egui::{self, Ui};
 
 /// How the tissue is cut open: cut; in half. The names are those of the commands.
@@ -61,7 +61,7 @@ fn cuts(ui: &mut Ui, options: &Options, actions: &mut Vec<Action>) {
 
 fn colours(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     let present = shared.options.quantity;
-    for quantity in quantities(shared) {
+    for quantity in Quantity::of_scene(shared.session.scene()) {
         if !(shared.research || quantity == present || OFTEN.contains(&quantity)) {
             continue;
         }
@@ -97,38 +97,11 @@ fn language_item(ui: &mut Ui, actions: &mut Vec<Action>) {
     }
 }
 
-/// The quantities of the plan's colours.
-pub(crate) fn quantities(shared: &Shared) -> Vec<Quantity> {
-    let scene = shared.session.scene();
-    let layers = scene.layers.len();
-    let mut quantities = vec![Quantity::Tissue, Quantity::Strain];
-    if scene.is_layered() {
-        quantities.extend((1..layers).map(Quantity::LayerStrain));
-        quantities.push(Quantity::Cover);
-        quantities.extend((0..layers).map(Quantity::Thickness));
-        quantities.push(Quantity::Traction);
-    }
-    if Quantity::Wrinkles.is_of(scene) {
-        quantities.push(Quantity::Wrinkles);
-    }
-    quantities.extend([Quantity::AreaStretch, Quantity::Pressure]);
-    quantities.extend((0..layers).map(Quantity::Stress));
-    quantities
-}
-
+/// The name of a quantity of the plan in the menu.
 fn name_of(quantity: Quantity, shared: &Shared) -> String {
     let layers = &shared.session.scene().layers;
-    let tissue = |k: usize| layers.get(k).map_or(tr("layer"), |layer| texts::tissue(&layer.tissue));
-    match quantity {
-        Quantity::Tissue => tr("Natural colours").to_owned(),
-        Quantity::Strain => tr("Skin stretch").to_owned(),
-        Quantity::AreaStretch => tr("Skin area").to_owned(),
-        Quantity::Stress(k) => tr!("Stress, {tissue}", tissue = tissue(k)),
-        Quantity::Pressure => tr("Pressure").to_owned(),
-        Quantity::LayerStrain(k) => tr!("Stretch, {tissue}", tissue = tissue(k)),
-        Quantity::Thickness(k) => tr!("Thickness, {tissue}", tissue = tissue(k)),
-        Quantity::Cover => shared.choices.device.words(tr("Cover over the implant")),
-        Quantity::Traction => tr("Pull at the pocket's edge").to_owned(),
-        Quantity::Wrinkles => tr("Wrinkles of the skin").to_owned(),
-    }
+    let layer = quantity.layer().and_then(|layer| layers.get(layer));
+    let tissue = layer.map_or(tr("layer"), |layer| texts::tissue(&layer.tissue));
+    let name = shared.choices.device.words(tr(quantity.name()));
+    texts::filled(&name, &[("tissue", &tissue)])
 }

@@ -5,10 +5,11 @@ use crate::app::frame::commands::COMMANDS;
 use crate::clinical::{BUILT_IN_SOURCE, Corrected, SkinClass};
 use crate::measure::bands::{self, PracticeStretch};
 use crate::measure::no_shape;
-use crate::scene::Field;
 use crate::scene::visit::Side;
+use crate::scene::{Field, Scene};
 use crate::solve::Invalid;
 use crate::study::{NOTES, Quantity};
+use crate::view::quantity;
 use std::collections::{BTreeSet, HashSet};
 use std::fs;
 use std::path::Path;
@@ -165,6 +166,7 @@ fn the_words_of_other_modules_have_rows() {
         Some(Invalid::NotFound),
         Some(Invalid::NotFinite),
     ];
+    let plan = Scene::opening();
     let numbers = Field::ALL.iter().flat_map(|field| [field.label, field.help]);
     let words = bands
         .flat_map(|band| [band.word, band.source])
@@ -177,6 +179,7 @@ fn the_words_of_other_modules_have_rows() {
         .chain(numbers)
         .chain(Field::ALL.iter().map(|field| field.scale.unit).filter(|unit| unit.contains(' ')))
         .chain(Quantity::ALL.map(Quantity::title))
+        .chain(quantity::Quantity::of_scene(&plan).map(|quantity| quantity.name()))
         .chain(Corrected::ALL.map(Corrected::words))
         .chain([bands::COVER, BUILT_IN_SOURCE, "skin", "adipose", "muscle"]);
     let missing: BTreeSet<&str> =

@@ -1,7 +1,7 @@
 //! Display options of the picture.
 
 use super::renderer::Areola;
-use crate::view::color::Quantity;
+use crate::view::quantity::Quantity;
 
 /// What the picture is about: colouring and cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
