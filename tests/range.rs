@@ -11,7 +11,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use implant_preview::app::App;
 use implant_preview::clinical::{Shelf, Size};
-use implant_preview::platform::runner::beside_window;
+use implant_preview::platform::desktop::beside_window;
 use implant_preview::scene::{Scene, TissueModel};
 use implant_preview::study::{Axis, Case, Job, Map, MapSettings, Quantity, evaluate};
 use std::time::{Duration, Instant};

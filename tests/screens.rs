@@ -12,7 +12,7 @@ use implant_preview::app::App;
 use implant_preview::clinical::{PracticeTable, Size};
 use implant_preview::curve::{Curve, CurveSpec, Interpolation, ScaledCurve};
 use implant_preview::measure::{Outcome, Status, bands};
-use implant_preview::platform::runner::beside_window;
+use implant_preview::platform::desktop::beside_window;
 use implant_preview::scene::{Scene, Springs, TissueModel};
 use implant_preview::session::Counters;
 use implant_preview::simulate::simulate;

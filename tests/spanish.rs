@@ -14,7 +14,7 @@ use egui_kittest::kittest::{By, NodeT, Queryable};
 use frames::{cut_texts, painted_texts, settle};
 use implant_preview::app::App;
 use implant_preview::curve::CurveSpec;
-use implant_preview::platform::runner::beside_window;
+use implant_preview::platform::desktop::beside_window;
 use implant_preview::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};

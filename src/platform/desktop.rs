@@ -1,12 +1,13 @@
 //! The desktop window, and the files that keep plan and pins for the next start.
 
 use super::keep::{self, Store};
-use super::runner;
-use crate::app::App;
+use crate::app::{App, JobRunner, Wake};
 use crate::scene::{MAX_SCENE_BYTES, Scene};
+use crate::study::{Evaluator, JobThreads};
 use eframe::{egui, glow};
 use std::fs;
 use std::io::{self, ErrorKind, Read as _};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Opens the desktop app; returns after its window is closed.
@@ -34,10 +35,22 @@ pub fn run() -> eframe::Result {
         options,
         Box::new(|cc| {
             let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
-            let app = App::new(ctx, gl, Scene::opening(), runner::beside_window)?;
+            let app = App::new(ctx, gl, Scene::opening(), beside_window)?;
             Ok(Box::new(Window::new(app, Folder::of_user())))
         }),
     )
+}
+
+/// The runner of the jobs of studies beside a window, on one thread per core less one, at least one.
+///
+/// # Panics
+/// If the system starts no thread.
+#[must_use]
+pub fn beside_window(wake: Wake) -> Box<JobRunner> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = NonZeroUsize::new(cores - 1).unwrap_or(NonZeroUsize::MIN);
+    let runner = JobThreads::new(threads, Evaluator::evaluate_guarded, || false);
+    Box::new(runner.expect("the system starts a thread").with_wake(move || wake()))
 }
 
 /// The icon of the window, which is that of the page; without an icon the window would have that of the toolkit.
@@ -131,8 +144,7 @@ mod tests {
 
     fn window(folder: &Path) -> Window {
         let app =
-            App::new(&egui::Context::default(), None, Scene::default(), runner::beside_window)
-                .unwrap();
+            App::new(&egui::Context::default(), None, Scene::default(), beside_window).unwrap();
         Window::new(app, Folder(Some(folder.to_owned())))
     }
 

@@ -1,6 +1,7 @@
 //! Scenes in, cases out: the unit of work of all studies.
 
 use super::Values;
+use super::runner::twice;
 use crate::measure::{Outcome, PROFILE_POINTS, Selection, Status, skin_surface};
 use crate::scene::{CheckedScene, Scene};
 use crate::simulate::{Simulation, Simulator};
@@ -138,6 +139,14 @@ impl Evaluator {
     #[must_use]
     pub fn evaluate(&mut self, job: &Job) -> Vec<Case> {
         job.scenes.iter().map(|scene| self.case(scene, job)).collect()
+    }
+
+    /// As [`evaluate`]; a scene that panics is solved once more from scratch. After a second panic its case is an error in one line.
+    #[must_use]
+    pub fn evaluate_guarded(&mut self, job: &Job) -> Vec<Case> {
+        let case = |scene| twice(self, |solver| solver.case(scene, job));
+        let invalid = |line| Case::invalid(format!("internal error, twice: {line}"));
+        job.scenes.iter().map(case).map(|case| case.unwrap_or_else(invalid)).collect()
     }
 
     /// Solves one scene by the choices of a job.

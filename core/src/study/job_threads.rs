@@ -1,25 +1,28 @@
-//! The jobs of a study on threads, until an end from outside.
+//! The jobs of studies on threads: beside a window that polls, or until an end from outside.
 
 use super::many::{Many, ManySettings};
 use super::{Case, Finished, Job, Runner};
+use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Weak};
 use std::task::Poll;
 use std::time::{Duration, Instant};
 
 /// Time between two questions whether the run is ended.
 const BETWEEN: Duration = Duration::from_millis(50);
 
-/// Runs the jobs of a study on threads of its own, in bounded memory.
+/// Runs the jobs of studies on threads of its own, in bounded memory.
 ///
 /// An end leaves the study with the cases that were received before ([`run`](super::run)).
 pub struct JobThreads<E> {
-    jobs: Sender<Job>,
+    jobs: Sender<(Weak<()>, Job)>,
     cases: Many<Vec<Case>>,
     threads: NonZeroUsize,
     submitted: usize,
-    taken: usize,
+    /// Jobs with unread cases. A thread has a weak reference: without the strong one it skips the job.
+    unread: BTreeMap<usize, Arc<()>>,
     is_ended: E,
 }
 
@@ -34,11 +37,20 @@ impl<E: FnMut() -> bool> JobThreads<E> {
         work: impl Fn(&mut S, &Job) -> Vec<Case> + Send + Sync + 'static,
         is_ended: E,
     ) -> io::Result<Self> {
-        let (jobs, receiver) = channel::<Job>();
+        let (jobs, receiver) = channel::<(Weak<()>, Job)>();
         let settings = ManySettings { in_order: false, ..ManySettings::new(threads) };
-        let work = move |kept: &mut S, job: Job| work(kept, &job);
+        let work = move |kept: &mut S, (is_wanted, job): (Weak<()>, Job)| {
+            if is_wanted.strong_count() > 0 { work(kept, &job) } else { Vec::new() }
+        };
         let cases = Many::new(receiver.into_iter(), settings, work)?;
-        Ok(Self { jobs, cases, threads, submitted: 0, taken: 0, is_ended })
+        Ok(Self { jobs, cases, threads, submitted: 0, unread: BTreeMap::new(), is_ended })
+    }
+
+    /// Calls a function after each job, on its thread. Once.
+    #[must_use]
+    pub fn with_wake(self, wake: impl Fn() + Send + Sync + 'static) -> Self {
+        self.cases.wakes(wake);
+        self
     }
 
     /// A function that ends the run from any thread without the result of a running job.
@@ -52,27 +64,34 @@ impl<E: FnMut() -> bool> Runner for JobThreads<E> {
     type Done = Vec<Case>;
 
     fn submit(&mut self, job: Job) -> usize {
+        let (index, token) = (self.submitted, Arc::new(()));
         // The receiver lives as long as the threads.
-        let _ = self.jobs.send(job);
+        let _ = self.jobs.send((Arc::downgrade(&token), job));
+        self.unread.insert(index, token);
         self.submitted += 1;
-        self.submitted - 1
+        index
     }
 
-    /// A study that waits cancels no job.
-    fn cancel(&mut self, _index: usize) {}
+    fn cancel(&mut self, index: usize) {
+        self.unread.remove(&index);
+    }
 
     fn poll(&mut self) -> Option<Finished<Vec<Case>>> {
+        while let Poll::Ready(Some(finished)) = self.cases.next_until(Some(Instant::now())) {
+            if self.unread.remove(&finished.index).is_some() {
+                return Some(finished);
+            }
+        }
         None
     }
 
     fn next(&mut self) -> Option<Finished<Vec<Case>>> {
-        if self.taken == self.submitted {
-            return None;
-        }
-        while !(self.is_ended)() {
+        while !self.unread.is_empty() && !(self.is_ended)() {
             if let Poll::Ready(next) = self.cases.next_until(Some(Instant::now() + BETWEEN)) {
-                self.taken += 1;
-                return next;
+                let finished = next?;
+                if self.unread.remove(&finished.index).is_some() {
+                    return Some(finished);
+                }
             }
         }
         None
@@ -87,7 +106,8 @@ impl<E: FnMut() -> bool> Runner for JobThreads<E> {
 mod tests {
     use super::*;
     use crate::scene::{Field, Scene};
-    use crate::study::{Axis, Cases, Evaluator, Map, MapSettings, Parameter, Study, run};
+    use crate::study::{Axis, Cases, Evaluator, Map, MapSettings, Parameter, Study, evaluate, run};
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
     fn a_study_that_ends_early_keeps_its_cases() {
@@ -112,5 +132,80 @@ mod tests {
         for (part, whole) in part.cases().iter().zip(whole.cases()) {
             assert!(part.is_none() || part == whole);
         }
+    }
+
+    fn two_threads<S: Default>(
+        work: impl Fn(&mut S, &Job) -> Vec<Case> + Send + Sync + 'static,
+    ) -> JobThreads<impl FnMut() -> bool> {
+        JobThreads::new(NonZeroUsize::new(2).unwrap(), work, || false).unwrap()
+    }
+
+    #[test]
+    fn a_cancelled_job_has_no_cases_and_leaves_the_others() {
+        let mut runner = two_threads(|(): &mut (), _| Vec::new());
+        let count = 8;
+        (0..count).for_each(|_| _ = runner.submit(Job::default()));
+        // A job that may be running or done, and a job that has perhaps not begun.
+        runner.cancel(0);
+        runner.cancel(count - 1);
+        runner.cancel(count - 1);
+        let mut indices: Vec<_> =
+            std::iter::from_fn(|| runner.next()).map(|finished| finished.index).collect();
+        indices.sort_unstable();
+        assert_eq!(indices, (1..count - 1).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_drop_cancels_the_jobs_that_have_not_begun() {
+        let begun = Arc::new(AtomicUsize::new(0));
+        let (sender, receiver) = channel::<()>();
+        let (gate, counter) = (std::sync::Mutex::new(receiver), Arc::clone(&begun));
+        let work = move |(): &mut (), _: &Job| {
+            counter.fetch_add(1, Ordering::SeqCst);
+            let _ = gate.lock().unwrap().recv();
+            Vec::new()
+        };
+        let mut runner = JobThreads::new(NonZeroUsize::MIN, work, || false).unwrap();
+        (0..9).for_each(|_| _ = runner.submit(Job::default()));
+        while begun.load(Ordering::SeqCst) == 0 {
+            std::thread::yield_now();
+        }
+        drop((runner, sender));
+        // The thread releases the counter at its end.
+        while Arc::strong_count(&begun) > 1 {
+            std::thread::yield_now();
+        }
+        assert_eq!(begun.load(Ordering::SeqCst), 1);
+    }
+
+    #[test]
+    fn a_thread_wakes_the_reader_after_each_job() {
+        let (sender, woken) = channel();
+        let mut runner =
+            two_threads(|(): &mut (), _| Vec::new()).with_wake(move || sender.send(()).unwrap());
+        (0..3).for_each(|_| _ = runner.submit(Job::default()));
+        let mut read = 0;
+        for _ in 0..3 {
+            woken.recv().unwrap();
+            read += std::iter::from_fn(|| runner.poll()).count();
+        }
+        assert_eq!(read, 3);
+        assert!(runner.poll().is_none() && runner.next().is_none());
+    }
+
+    #[test]
+    fn jobs_are_evaluated_as_on_one_thread() {
+        let mut scene = Scene::default();
+        scene.solver.nodes_per_side = 17;
+        let mut invalid = scene.clone();
+        invalid.pocket_radius_mm = 1.0;
+        let job = Job { scenes: vec![scene, invalid], profile: true, full: false };
+        let mut runner = two_threads(Evaluator::evaluate_guarded);
+        (0..2).for_each(|_| _ = runner.submit(job.clone()));
+        let cases: Vec<_> =
+            std::iter::from_fn(|| runner.next()).map(|finished| finished.result.unwrap()).collect();
+        assert_eq!(cases.len(), 2);
+        assert!(cases.iter().all(|cases| *cases == evaluate(&job)));
+        assert!(cases[0][0].is_converged() && cases[0][1].error.is_some());
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::task::Poll;
 use std::thread::Builder;
 use std::time::Instant;
@@ -42,6 +42,8 @@ struct Shared<T> {
     is_ready: Condvar,
     /// A result was read, or the run was cancelled.
     has_room: Condvar,
+    /// Called after each job, by its thread.
+    wake: OnceLock<Box<dyn Fn() + Send + Sync>>,
     settings: ManySettings,
 }
 
@@ -67,7 +69,8 @@ impl<T: Send + 'static> Many<T> {
         let (begun, read, ready) = (0, 0, BTreeMap::new());
         let state = Mutex::new(State { begun, read, ready, is_last: false, is_cancelled: false });
         let (is_ready, has_room) = (Condvar::new(), Condvar::new());
-        let shared = Arc::new(Shared { state, is_ready, has_room, settings });
+        let wake = OnceLock::new();
+        let shared = Arc::new(Shared { state, is_ready, has_room, wake, settings });
         let source = Arc::new((Mutex::new(jobs), work));
         for k in 0..settings.threads.get() {
             let (shared, source) = (Arc::clone(&shared), Arc::clone(&source));
@@ -88,6 +91,11 @@ impl<T: Send + 'static> Many<T> {
             }
         }
         Ok(Self(shared))
+    }
+
+    /// Has a function called after each job, by its thread. The first one stays.
+    pub fn wakes(&self, wake: impl Fn() + Send + Sync + 'static) {
+        let _ = self.0.wake.set(Box::new(wake));
     }
 
     /// A function that ends the run from any thread: no further job begins; results that are ready are still read, in order with
@@ -138,6 +146,9 @@ impl<T> Shared<T> {
     fn finish(&self, index: usize, result: Result<T, JobPanic>) {
         self.lock().ready.insert(index, result);
         self.is_ready.notify_all();
+        if let Some(wake) = self.wake.get() {
+            wake();
+        }
     }
 
     fn cancel(&self) {

@@ -1,6 +1,7 @@
 //! Runners compute independent jobs: threads natively, workers on the page.
 
 use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs independent jobs and returns the results in the order of completion.
 ///
@@ -69,6 +70,19 @@ pub fn panic_line(payload: &(dyn Any + Send)) -> String {
     one_line(text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("panic"))
 }
 
+/// Runs `work` with what is kept from run to run; after a panic once more, with a new one. The error is the second panic in one
+/// line.
+///
+/// # Errors
+/// If both runs panic.
+pub fn twice<S: Default, T>(kept: &mut S, work: impl Fn(&mut S) -> T) -> Result<T, String> {
+    let mut attempt = || {
+        let result = catch_unwind(AssertUnwindSafe(|| work(kept)));
+        result.inspect_err(|_| *kept = S::default())
+    };
+    attempt().or_else(|_| attempt()).map_err(|panic| panic_line(&*panic))
+}
+
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -125,5 +139,23 @@ mod tests {
     fn a_panic_is_one_line() {
         let line = JobPanic::new(3, "a defect\n in two lines").to_string();
         assert_eq!(line, "job 3: internal error: a defect in two lines");
+    }
+
+    #[test]
+    fn work_that_panics_runs_once_more_from_scratch_and_is_then_an_error() {
+        let attempts = std::cell::Cell::new(0);
+        let panics = |until: usize| {
+            attempts.set(0);
+            let mut kept = vec![7];
+            let done = twice(&mut kept, |kept| {
+                attempts.set(attempts.get() + 1);
+                assert!(attempts.get() > until, "a defect\nin two lines");
+                kept.clone()
+            });
+            (done, attempts.get())
+        };
+        assert_eq!(panics(0), (Ok(vec![7]), 1));
+        assert_eq!(panics(1), (Ok(Vec::new()), 2));
+        assert_eq!(panics(2), (Err("a defect in two lines".to_owned()), 2));
     }
 }

@@ -4,11 +4,10 @@ use super::output::{self, File, OutputFolder};
 use super::stream::{self, Signal, ThreadCount};
 use super::{ExitStatus, InputError, file, in_range};
 use crate::export::number;
-use crate::platform::runner::evaluate;
 use crate::scene::read::{self, Format};
 use crate::scene::{Field, MAX_SCENE_BYTES, Scene, limits};
 use crate::study::{
-    Axis, Bands, BandsSettings, Cases, Job, JobThreads, Map, MapSettings, NOTES, PointStatus,
+    Axis, Bands, BandsSettings, Cases, Evaluator, JobThreads, Map, MapSettings, NOTES, PointStatus,
     Quantity, SAMPLES, Study, Unknown, run as run_study,
 };
 use implant_preview_charts::scene_map;
@@ -141,7 +140,7 @@ impl Solver {
         let signal = Signal::default();
         let flag = signal.clone();
         let is_ended: Box<dyn FnMut() -> bool> = Box::new(move || flag.has_come());
-        let work = |(): &mut (), job: &Job| evaluate(job);
+        let work = Evaluator::evaluate_guarded;
         let runner = JobThreads::new(threads.get(), work, is_ended).map_err(stream::no_threads)?;
         signal.calls(runner.canceller());
         Ok(Self { runner, store: Cases::default(), signal })

@@ -15,10 +15,10 @@ use crate::scene::{CheckedScene, SceneError, read};
 use crate::simulate::Simulator;
 use crate::solve::Options;
 use crate::study::many::{Many, ManySettings};
-use crate::study::runner::panic_line;
+use crate::study::runner::twice;
 use crate::table::RawRow;
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -135,22 +135,12 @@ impl Run {
 
     /// The result of a scene. A scene that panics is solved once more from scratch; the error is that of the second panic.
     fn outcome(&self, worker: &mut Worker, scene: CheckedScene) -> Result<Outcome, String> {
-        let Worker { simulator, scene: kept } = worker;
-        let scene = kept.insert(scene);
-        simulator.most_ms = self.most_ms;
-        let mut attempt = || {
-            let clock = Clock::start();
-            let run = || {
-                simulator.run(
-                    scene,
-                    Options::default(),
-                    &self.format.selection,
-                    Some(&|| clock.ms()),
-                )
-            };
-            catch_unwind(AssertUnwindSafe(run)).map(|simulation| simulation.outcome)
-        };
-        attempt().or_else(|_| attempt()).map_err(|panic| panic_line(&*panic))
+        let scene = worker.scene.insert(scene);
+        twice(&mut worker.simulator, |simulator| {
+            simulator.most_ms = self.most_ms;
+            let (clock, selection) = (Clock::start(), &self.format.selection);
+            simulator.run(scene, Options::default(), selection, Some(&|| clock.ms())).outcome
+        })
     }
 }
 
