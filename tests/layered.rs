@@ -385,8 +385,7 @@ fn a_second_attempt_starts_on_a_finer_grid() {
     // The coarsest grid has few nodes over these domes.
     let wide = json!({ "patch_radius_mm": 260 });
     let small = json!({ "implant": { "base_radius_mm": 20 }, "pocket_radius_mm": 35 });
-    let at_edge = json!({ "implant": { "base_radius_mm": 55, "center_mm": [15, 0] } });
-    for change in [wide, small, at_edge] {
+    for change in [wide, small] {
         let mut scene = papers_fat_file(65);
         for (name, value) in change.as_object().unwrap() {
             scene[name] = value.clone();

@@ -23,6 +23,10 @@ const MIN_TENSION: f64 = 0.1;
 const SMALL_STRAIN: f64 = 1e-6;
 /// Least D = (λ₁² − λ₂²)² of a wrinkled triangle \[-\], against a division by zero.
 const MIN_SPREAD: f64 = 1e-30;
+/// Fraction of the secant that a wrinkled triangle keeps in the blocks \[-\]: slack skin is taut again after a step.
+const WRINKLED_SECANT: f64 = 0.2;
+/// Least (λ₁² − λ₂²)² in the blocks \[-\], whose invariants cancel in f32.
+const MIN_DIFFERENCE: f64 = 1e-10;
 /// Squared relative area below which a triangle counts as this much \[-\].
 const MIN_AREA: f64 = 1e-10;
 
@@ -65,6 +69,24 @@ pub(crate) struct Stiffness<R> {
     pub(crate) vv: R,
     pub(crate) v_tau: R,
     pub(crate) tau_tau: R,
+    /// What wrinkled groups add; `None` if no triangle is wrinkled.
+    pub(crate) fibre: Option<Fibre<R>>,
+}
+
+/// The same of wrinkled groups, uniaxial tension w(λ₁) with the principal directions v₁, v₂ at rest and f₁, f₂ deformed:
+/// w″ p₁p₁ᵀ + c (|m|²(I − nnᵀ) − p₁p₁ᵀ − p₂p₂ᵀ) + (w′/λ₁)(m·v₁)² nnᵀ, pₖ = (m·vₖ) fₖ, c = w′ λ₁/(λ₁² − λ₂²). The product of both
+/// directions is left out.
+pub(crate) struct Fibre<R> {
+    /// w″.
+    pub(crate) along: R,
+    /// c.
+    pub(crate) turn: R,
+    /// w′/λ₁.
+    pub(crate) normal: R,
+    /// λ₁², λ₂².
+    pub(crate) squares: [R; 2],
+    /// 1/(λ₁² − λ₂²).
+    pub(crate) per_spread: R,
 }
 
 /// s = √det of a metric relative to that at rest, from the determinant.
@@ -184,7 +206,7 @@ pub(crate) fn tension<R: Real, T: AsRef<Buckets<R>>>(
     (p, q)
 }
 
-/// The stiffness of all groups before relaxation: an upper bound.
+/// The stiffness of all groups; wrinkled, that of uniaxial tension and [`WRINKLED_SECANT`].
 #[inline(always)]
 pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
     groups: &[Group<R, T>],
@@ -196,9 +218,34 @@ pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
     let zero = R::default();
     let (mut alpha, mut beta) = (zero, zero);
     let (mut vv, mut v_tau, mut tau_tau) = (zero, zero, zero);
+    let mut fibre = None;
+    let difference = (i1 * i1 - R::splat(4.0) * s * s).max(R::splat(MIN_DIFFERENCE)).sqrt();
+    let [greater, least] = [difference, -difference]
+        .map(|difference| (t - R::splat(2.0) + difference / t) * R::splat(0.5));
     for group in groups {
         let equivalent = group.equivalent_strain(i1, t);
-        let (secant, slope) = group.secant_and_slope(equivalent);
+        let (mut secant, mut slope) = group.secant_and_slope(equivalent);
+        let is_wrinkled = zero.is_above(least + greater * group.nu);
+        if R::is_any(is_wrinkled) {
+            let (first, pulled) = (greater + one, greater.max(zero));
+            let (own, own_slope) = group.secant_and_slope(pulled);
+            let pull = own * pulled;
+            let turn = (pull * first / difference).min(own * group.shear * first / t);
+            let tangent = R::select(zero.is_above(greater), zero, own + own_slope * pulled);
+            let square = first * first;
+            let fibre = fibre.get_or_insert_with(|| Fibre {
+                along: zero,
+                turn: zero,
+                normal: zero,
+                squares: [square, s * s / square],
+                per_spread: one / difference,
+            });
+            fibre.along += R::select(is_wrinkled, tangent, zero);
+            fibre.turn += R::select(is_wrinkled, turn, zero);
+            fibre.normal += R::select(is_wrinkled, pull / first, zero);
+            secant = R::select(is_wrinkled, own * R::splat(WRINKLED_SECANT), secant);
+            slope = R::select(is_wrinkled, zero, slope);
+        }
         let b = ((t - one) * group.nu - one) * group.plane;
         alpha += secant * group.shear;
         beta += secant * b;
@@ -216,5 +263,6 @@ pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
         vv,
         v_tau,
         tau_tau: tau_tau - beta_t,
+        fibre,
     }
 }

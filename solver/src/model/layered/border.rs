@@ -9,7 +9,7 @@ use super::shape::{Even, InPlane, RestShape};
 use super::sides::Oblique;
 use super::stiffness::{CORNERS, CellStiffness};
 use crate::mesh::lanes::{Field, Layout};
-use crate::mesh::vec3::{add, scale, sub};
+use crate::mesh::vec3::{Vec3, add, scale, sub};
 use crate::mesh::{CellKind, Sheet};
 use crate::model::columns::ColumnBlocks;
 use crate::springs::solids::{SolidLaw, Volume};
@@ -28,6 +28,8 @@ pub(super) struct Four {
     corners: [[u32; 4]; 4],
     /// 1 where the corner is missing.
     missing: [f32x4; 4],
+    /// The stored node of least x and y of each cell, inside or outside of the patch: the index of the cell.
+    cells: [u32; 4],
     /// The slopes in the spacing's directions per slope along the cell's sides: ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y.
     sides: [f32x4; 4],
     /// Area over a flat wall, in those of a regular cell; zero in unused lanes.
@@ -40,6 +42,8 @@ pub(super) struct BorderCell {
     /// Nodes of the sheet, counter-clockwise from the least x and y.
     pub(super) corners: [usize; 4],
     pub(super) missing: Option<usize>,
+    /// Node of least x and y, on the patch or not.
+    first: usize,
     /// The slopes along X and Y per slope along the sides, by columns.
     pub(super) sides: DMat2,
     /// Area \[rest units squared\].
@@ -85,6 +89,7 @@ impl BorderCell {
     /// Of cell (i, j) of a sheet; `None` outside of it.
     pub(super) fn new(sheet: &Sheet, i: usize, j: usize) -> Option<Self> {
         let mut corners = sheet.corners(i, j);
+        let first = corners[0];
         let missing = match sheet.cell(i, j) {
             CellKind::Outside => return None,
             CellKind::Whole => None,
@@ -100,7 +105,7 @@ impl BorderCell {
         let along_x: DVec2 = 0.5 * ((b - a) + (c - d));
         let along_y: DVec2 = 0.5 * ((d - a) + (c - b));
         let jacobian = DMat2::from_cols(along_x, along_y);
-        let mut cell = Self { corners, missing, sides: jacobian.inverse(), area: 0.0 };
+        let mut cell = Self { corners, missing, first, sides: jacobian.inverse(), area: 0.0 };
         cell.area = jacobian.determinant() * cell.share();
         Some(cell)
     }
@@ -138,6 +143,7 @@ impl Border {
                 missing: [0, 1, 2, 3].map(|corner| {
                     lanes(&|cell| if cell.missing == Some(corner) { 1.0 } else { 0.0 })
                 }),
+                cells: [0, 1, 2, 3].map(|lane| stored(cell(lane).first)),
                 sides: [0, 1, 2, 3].map(|side| lanes(&|cell| cell.sides()[side])),
                 weight: f32x4::new(areas),
             }
@@ -162,6 +168,22 @@ impl Border {
         for (k, (four, pressure)) in self.fours.iter().zip(pressure).enumerate() {
             let volume = cell::volume(&four.modes(u, layers), shape(k, four).sides());
             *pressure = law.renewed(Volume::new(volume), *pressure);
+        }
+    }
+
+    /// Writes the cells' values of a layer to the indices of the cells.
+    pub(super) fn leave(&self, values: &[f32x4], to: &mut [f32]) {
+        for (four, values) in self.fours.iter().zip(values) {
+            for (&cell, value) in four.cells.iter().zip(values.to_array()) {
+                to[cell as usize] = value;
+            }
+        }
+    }
+
+    /// Reads the cells' values of a layer from the indices of the cells.
+    pub(super) fn take(&self, from: &[f32], values: &mut [f32x4]) {
+        for (four, values) in self.fours.iter().zip(values) {
+            *values = f32x4::new(four.cells.map(|cell| from[cell as usize]));
         }
     }
 
@@ -202,10 +224,9 @@ impl Border {
             let shape = shape(k);
             let modes = shape.removed(&four.modes(u, layers));
             let stiffness = CellStiffness::new(law, &modes, &shape, augmented);
-            for (corner, [i, j]) in CORNERS.into_iter().enumerate() {
-                let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
+            for (corner, parts) in four.parts().into_iter().enumerate() {
                 let weight = four.weight * shape.weight() * (f32x4::ONE - four.missing[corner]);
-                let (diagonal, above) = stiffness.blocks(sign(i), sign(j), weight);
+                let (diagonal, above) = stiffness.blocks_along(parts, weight);
                 for (lane, &node) in four.corners[corner].iter().enumerate() {
                     let at = node as usize + layers[0];
                     for (layer, block) in layers.into_iter().zip(diagonal) {
@@ -228,6 +249,24 @@ impl Four {
     fn modes(&self, u: &Field, layers: [usize; 2]) -> Modes<f32x4> {
         let [inner, outer] = layers.map(|layer| self.gather(u, layer));
         modes(&inner, &outer)
+    }
+
+    /// The part of a face that each corner has at the middle, and its slopes along the sides; a missing corner's part belongs to the
+    /// corners that it continues.
+    fn parts(&self) -> [Vec3; 4] {
+        let own = CORNERS.map(|[i, j]| {
+            let sign = |bit: usize| f32x4::splat(if bit == 1 { 0.5 } else { -0.5 });
+            [f32x4::splat(0.25), sign(i), sign(j)]
+        });
+        let mut parts = own;
+        for (k, own) in own.into_iter().enumerate() {
+            let handed = scale(own, self.missing[k]);
+            for (step, sign) in [(1, 1.0), (2, -1.0), (3, 1.0)] {
+                let to = &mut parts[(k + step) % 4];
+                *to = add(*to, scale(handed, f32x4::splat(sign)));
+            }
+        }
+        parts
     }
 
     /// The rest shape of the cells in a layer over a flat wall.

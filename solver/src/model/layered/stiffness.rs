@@ -129,7 +129,12 @@ impl<S: Sides<f32x4>> CellStiffness<S> {
         let half = f32x4::HALF;
         // N is the product of these; its slopes have one factor replaced by the sign.
         let [p, q, r] = [0, 1, 2].map(|axis| self.at[axis] * [sx, sy, sz][axis] + half);
-        let slopes = [q * r * sx, p * r * sy, p * q * sz];
+        self.vectors_along([q * r * sx, p * r * sy, p * q * sz])
+    }
+
+    /// g, t and ∇N of a node, from the slopes of N along the sides.
+    #[inline(always)]
+    fn vectors_along(&self, slopes: Vec3) -> [Vec3; 3] {
         let inverse = f32x4::ONE / self.volume.fast_max(f32x4::splat(0.05));
         let g = combined(self.cofactors, slopes.map(|s| s * inverse));
         [g, combined(self.pull, slopes), self.sides.of_scalar(slopes)]
@@ -138,7 +143,19 @@ impl<S: Sides<f32x4>> CellStiffness<S> {
     /// The blocks of the lower node, of the upper node, and of the pair, for a corner; times `weight`.
     #[inline(always)]
     pub(super) fn blocks(&self, sx: f32, sy: f32, weight: f32x4) -> ([Block; 2], [f32x4; 9]) {
-        let nodes = [-1.0, 1.0].map(|sz| self.vectors([sx, sy, sz]));
+        self.blocks_of([-1.0, 1.0].map(|sz| self.vectors([sx, sy, sz])), weight)
+    }
+
+    /// The same at the middle of cells, from a corner's part of a face, and its slopes.
+    #[inline(always)]
+    pub(super) fn blocks_along(&self, [n, x, y]: Vec3, weight: f32x4) -> ([Block; 2], [f32x4; 9]) {
+        let half = f32x4::HALF;
+        let nodes = [-1.0, 1.0].map(|sz| self.vectors_along([x * half, y * half, n * sz]));
+        self.blocks_of(nodes, weight)
+    }
+
+    #[inline(always)]
+    fn blocks_of(&self, nodes: [[Vec3; 3]; 2], weight: f32x4) -> ([Block; 2], [f32x4; 9]) {
         let (both, bend) = ((self.crossed + self.straight) * weight, self.bend * weight);
         let diagonal = nodes.map(|[g, t, n]| {
             let own = (self.isotropic * dot(n, n) + self.variation[0]) * weight;

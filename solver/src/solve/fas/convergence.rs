@@ -16,7 +16,6 @@ use super::parameters::Parameters;
 use super::smoother::Contact;
 use super::{FullMultigrid, Mode, State, Stop};
 use crate::contact::contact_edge;
-use crate::mesh::lanes::Field;
 use crate::model::ElasticModel;
 
 /// Change of a cycle of layered tissue below which slow cycles do not end the attempt \[tolerance\]: of 40 patients at 129 nodes per
@@ -82,43 +81,29 @@ pub(super) struct Convergence {
     residual_squares: Option<f64>,
     /// The change of the last cycle \[mm\].
     last_change: f64,
-    /// The change of the last cycle as a field of the finest grid.
-    last_update: Field,
+    /// Does the grid have the change of a cycle before?
     has_last_update: bool,
-    /// The result of the last cycle before mixing.
-    last_result: Field,
     /// Convergence factors of the last two cycles without mixing \[-\], zero while unknown.
     unmixed_rates: [f64; 2],
     pub(super) ending: Ending,
 }
 
 impl Convergence {
-    /// `last_update` and `last_result` are fields of the finest grid.
-    pub(super) fn new(last_update: Field, last_result: Field) -> Self {
-        Self {
-            cycles: 0,
-            slow_cycles: 0,
-            was_slow: false,
-            stagnations: 0,
-            stagnation_residual: f64::INFINITY,
-            offsets: Offsets::NotSearched,
-            neglected_offset: 0.0,
-            residual_squares: None,
-            last_change: f64::INFINITY,
-            last_update,
-            has_last_update: false,
-            last_result,
-            unmixed_rates: [0.0; 2],
-            ending: Ending::NONE,
-        }
-    }
-
-    /// Resets the state for another grid.
-    pub(super) fn reset(&mut self) {
-        let fields = [&mut self.last_update, &mut self.last_result].map(std::mem::take);
-        let [last_update, last_result] = fields;
-        *self = Self::new(last_update, last_result);
-    }
+    /// Before the first cycle of a grid.
+    pub(super) const NEW: Self = Self {
+        cycles: 0,
+        slow_cycles: 0,
+        was_slow: false,
+        stagnations: 0,
+        stagnation_residual: f64::INFINITY,
+        offsets: Offsets::NotSearched,
+        neglected_offset: 0.0,
+        residual_squares: None,
+        last_change: f64::INFINITY,
+        has_last_update: false,
+        unmixed_rates: [0.0; 2],
+        ending: Ending::NONE,
+    };
 
     /// Discards the last change: the state changed by other means than a cycle.
     fn forget_changes(&mut self) {
@@ -182,16 +167,19 @@ impl<M: ElasticModel> FullMultigrid<M> {
             }
             _ => (parameters.start_tolerance, parameters.max_start_cycles),
         };
+        let is_layered = self.model.layers() > 1;
         let is_enough = convergence.ending.error <= tolerance * *reference_length;
         if is_enough || convergence.cycles >= most {
-            // No convergence on the coarsest grid, as with tissue that slides on a steep dome: finer grids fail as well. A sheet on
+            // No convergence on the first grid, as with tissue that slides on a steep dome: finer grids fail as well. A sheet on
             // a few nodes may wander where finer grids converge.
-            let is_layered = self.model.layers() > 1;
             if self.grid == self.parameters.first_grid && !is_enough && is_layered {
                 return State::Failed;
             }
             self.refine();
         } else {
+            if is_layered {
+                self.mix();
+            }
             self.begin_cycle();
         }
         State::Working
@@ -375,9 +363,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// u ← g − θ(g − g′), θ = ⟨r, r − r′⟩/⟨r − r′, r − r′⟩.
     fn mix(&mut self) {
         let level = &mut self.levels[self.grid];
-        let Level { layout, u, before, .. } = level;
-        let Convergence { last_update, last_result, has_last_update, unmixed_rates, .. } =
-            &mut self.convergence;
+        let Level { layout, u, before, last_update, last_result, .. } = level;
+        let Convergence { has_last_update, unmixed_rates, .. } = &mut self.convergence;
         let [product, square, own] = layout.products(u, before, last_update);
         let theta = (own - product) / (own - 2.0 * product + square);
         // θ = ρ/(ρ − 1) for changes that fall by a factor ρ.
@@ -386,16 +373,19 @@ impl<M: ElasticModel> FullMultigrid<M> {
             unmixed_rates[0] = theta / (theta - 1.0);
         }
         last_update.set_difference(u, before);
-        if *has_last_update && theta.is_finite() {
-            let (least, most) = self.parameters.mixing_bounds;
+        let (least, most) = self.parameters.mixing_bounds;
+        let theta =
+            (*has_last_update && theta.is_finite()).then(|| theta.clamp(least, most) as f32);
+        if let Some(theta) = theta {
             // The result of this cycle replaces that of the last one, which the blend needs first.
             before.copy_from(u);
-            u.blend(last_result, theta.clamp(least, most) as f32);
+            u.blend(last_result, theta);
             last_result.copy_from(before);
             level.project_feasible();
         } else {
             last_result.copy_from(u);
         }
+        level.mix_constraints(&self.model, theta);
         self.convergence.has_last_update = true;
     }
 }

@@ -8,8 +8,9 @@
 //!    node is active, and keeps its gauge, where the weighted fraction of active fine nodes exceeds a threshold; the
 //!    other nodes stay one-sided.
 //! 3. Solve the coarse problem: by steps 1 to 5, on the coarsest grid by smoothing alone.
-//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes; in layered tissue scaled to the least energy once a cycle of
-//!    the grid being solved was slow (W. Hackbusch and A. Reusken, Numer. Math. 55, 1989).
+//! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes; in layered tissue scaled to the least energy up to the first
+//!    grid, whose coarser grid has no contact to speak of, and once a cycle of the grid being solved was slow (W. Hackbusch
+//!    and A. Reusken, Numer. Math. 55, 1989).
 //! 5. Smooth as in step 1, with each ω of `smoothing.after`.
 //!
 //! After the cycle the check of convergence mixes the results of the last two cycles.
@@ -142,7 +143,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
             Step::SolveCoarsest => self.solve_coarsest(),
             Step::Correct { grid } => {
                 let contact = self.contact(grid);
-                let least = self.parameters.correction_scale.filter(|_| self.convergence.was_slow);
+                let Parameters { correction_scale, first_grid, .. } = self.parameters;
+                let may_scale = self.model.layers() > 1;
+                let is_scaled = may_scale && (grid <= *first_grid || self.convergence.was_slow);
+                let least = correction_scale.filter(|_| is_scaled);
                 let (coarser, finer) = self.levels.split_at_mut(grid);
                 let (coarse, fine) = (&coarser[grid - 1], &mut finer[0]);
                 let Some(least) = least else { return fine.correct(coarse, &mut self.row) };

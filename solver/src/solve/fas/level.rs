@@ -32,6 +32,9 @@ pub(super) struct Level<M: ElasticModel> {
     correction: Field,
     /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
+    /// The change of the last cycle of this grid, and its result before mixing; empty on coarser grids of a sheet.
+    pub(super) last_update: Field,
+    pub(super) last_result: Field,
     /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
     pub(super) tau: Option<Field>,
     pub(super) inverse: M::Stiffness,
@@ -61,6 +64,7 @@ impl<M: ElasticModel> Level<M> {
         let length = layout.len();
         let layers = model.layers();
         let field = || Field::new(length, layers);
+        let mixed = || if is_finest || layers > 1 { field() } else { Field::default() };
         let nowhere =
             Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, HalfBall::round(1.0, 1.0), 1.0));
         Self {
@@ -71,6 +75,8 @@ impl<M: ElasticModel> Level<M> {
             are_forces_current: false,
             correction: if layers > 1 { field() } else { Field::default() },
             before: field(),
+            last_update: mixed(),
+            last_result: mixed(),
             tau: (!is_finest).then(field),
             inverse: M::Stiffness::new(length, layers),
             active: vec![0.0; length],
@@ -146,6 +152,11 @@ impl<M: ElasticModel> Level<M> {
     pub(super) fn renew(&mut self, model: &M) {
         self.are_forces_current = false;
         model.renew(&self.layout, &self.u, &mut self.scratch);
+    }
+
+    /// Mixes the model's constraints: see [`ElasticModel::mix`].
+    pub(super) fn mix_constraints(&mut self, model: &M, theta: Option<f32>) {
+        model.mix(&mut self.scratch, theta);
     }
 
     /// Interpolates the model's constraints from a coarser grid.

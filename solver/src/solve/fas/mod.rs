@@ -125,7 +125,6 @@ impl<M: ElasticModel> FullMultigrid<M> {
             .rev()
             .map(|&n| Level::new(n, mirrored, n == nodes_per_side, &model))
             .collect();
-        let finest = levels[sides.len() - 1].layout.len();
         Self {
             parameters,
             reference_length: 1.0,
@@ -137,10 +136,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             steps: Vec::with_capacity(8 * levels.len() + 2),
             next_step: 0,
             mode: Mode::Fast,
-            convergence: Convergence::new(
-                Field::new(finest, model.layers()),
-                Field::new(finest, model.layers()),
-            ),
+            convergence: Convergence::NEW,
             coarse_solution: levels
                 .iter()
                 .nth_back(1)
@@ -310,7 +306,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     fn begin_grid(&mut self, grid: usize) {
         self.grid = grid;
-        self.convergence.reset();
+        self.convergence = Convergence::NEW;
         self.levels[grid].contact_offset.fill(0.0);
         self.begin_cycle();
     }

@@ -81,6 +81,8 @@ pub(crate) struct Scratch {
     pressure: Vec<f32>,
     /// The same of the groups of four cells at the border, shape (layers of cells, groups).
     border_pressure: Vec<f32x4>,
+    /// Both before the last mixing.
+    last_pressures: (Vec<f32>, Vec<f32x4>),
     /// Of the cells at each stored node: 1 in the ring of four points, else 0.
     in_ring: Vec<f32>,
     /// Of the cell at each stored node: integrals of the attachment for [`super::attachment::PAIRS`], scaled.
@@ -165,6 +167,7 @@ impl ElasticModel for Layered {
             points: vec![f32x4::ZERO; self.cells.len()],
             pressure: Vec::new(),
             border_pressure: Vec::new(),
+            last_pressures: Default::default(),
             in_ring: vec![0.0; layout.len()],
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
@@ -280,6 +283,22 @@ impl ElasticModel for Layered {
         scratch.shapes = shapes;
     }
 
+    fn mix(&self, scratch: &mut Scratch, theta: Option<f32>) {
+        let Scratch { pressure, border_pressure, last_pressures, .. } = scratch;
+        let (last, last_border) = last_pressures;
+        let Some(theta) = theta else {
+            last.clone_from(pressure);
+            last_border.clone_from(border_pressure);
+            return;
+        };
+        for (p, last) in pressure.iter_mut().zip(last) {
+            (*p, *last) = (*p - theta * (*p - *last), *p);
+        }
+        for (p, last) in border_pressure.iter_mut().zip(last_border) {
+            (*p, *last) = (*p - (*p - *last) * theta, *p);
+        }
+    }
+
     fn hand_on(
         &self,
         (coarse_layout, coarse): (&Layout, &Scratch),
@@ -300,6 +319,8 @@ impl ElasticModel for Layered {
                     to[j * layout.pitch + i] = from[parent * coarse_layout.pitch + column];
                 }
             }
+            let border = scratch.border_pressure.chunks_mut(scratch.border.len().max(1)).nth(layer);
+            scratch.border.take(to, border.unwrap_or_default());
         }
     }
 
@@ -403,6 +424,7 @@ impl Layered {
                 let layers = [layer, layer + 1].map(|layer| layer * length);
                 let shape = |group: usize, four: &Four| shapes.at_border(layer, group, four);
                 of_law!(&cells.law, law => scratch.border.renew(law, shape, layers, u, pressure));
+                scratch.border.leave(pressure, &mut scratch.pressure[layers[0]..]);
             }
         }
     }

@@ -277,7 +277,7 @@ impl Border {
                     four.inverse_det,
                 );
                 let tau = scale(add(v, scale(w, per_s)), per_t);
-                let block = node_stiffness(&k, [rest, area, per_s], [v, tau, n]);
+                let block = node_stiffness(&k, [rest, area, per_s], [v, tau, n, w]);
                 self.scatter_block(places, block.map(|part| part * four.weight), blocks);
             }
         }

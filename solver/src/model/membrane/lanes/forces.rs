@@ -9,7 +9,7 @@ use super::coupled::{CoupledLanes, Law};
 use crate::mesh::lanes::{CellRow, Field, shifted_right};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
-use crate::model::membrane::node_stiffness::add_stretch;
+use crate::model::membrane::node_stiffness::{add_fibre, add_stretch};
 use crate::springs::closed_form::{area_stretch, spread, trace_of_stretch};
 use wide::f32x4;
 
@@ -272,8 +272,14 @@ fn cell_block(law: &CoupledLanes, cells: &Cells) -> Block {
     let across = (k.beta_t * i1 * per_s).fast_max(k.min_normal - all);
     let mut block = [f32x4::ZERO; 6];
     add_outer(&mut block, scale(n, across), n);
-    let tau1 = scale(add(e1, scale(sub(scale(e1, g22), scale(e2, g12)), per_s)), per_t);
-    let tau2 = scale(add(e2, scale(sub(scale(e2, g11), scale(e1, g12)), per_s)), per_t);
+    let (w1, w2) = (sub(scale(e1, g22), scale(e2, g12)), sub(scale(e2, g11), scale(e1, g12)));
+    let tau1 = scale(add(e1, scale(w1, per_s)), per_t);
+    let tau2 = scale(add(e2, scale(w2, per_s)), per_t);
+    if let Some(fibre) = &k.fibre {
+        let one = f32x4::ONE;
+        add_fibre(&mut block, fibre, [one, g22], [e1, w1, n]);
+        add_fibre(&mut block, fibre, [one, g11], [e2, w2, n]);
+    }
     add_stretch(&mut block, &k, e1, tau1);
     add_stretch(&mut block, &k, e2, tau2);
     block[0] += all;
