@@ -62,12 +62,17 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     const form = page.getByRole("form", { name: "Plan" });
     const field = (name) => form.getByLabel(name, { exact: true });
     const names = await form.locator("label").allTextContents();
+    const labels = await page.evaluate(() =>
+      JSON.parse(implantPreview.plan()).map(({ label, unit }) => (unit ? `${label} (${unit})` : label)),
+    );
+    assert.deepEqual(names, labels);
+    // The numbers that their rows alone show stand between projection and pinch.
+    names.splice(names.indexOf("Projection (cm)") + 1, names.indexOf("Pinch (cm)") - names.indexOf("Projection (cm)") - 1);
     assert.deepEqual(names, [
       "Implant",
       "Width (cm)",
       "Volume (ml)",
       "Projection (cm)",
-      "Fullness",
       "Pinch (cm)",
       "Skin feels",
       "Chest",

@@ -1,20 +1,110 @@
-//! A scene in a file: optional fields and their defaults.
+//! The members of a scene: in memory and as they are written, by default, in a file, whose fields are optional.
 
 use super::chest_grid::BOTH;
-use super::implant::ImplantFile;
+use super::implant::{ImplantFile, Named};
 use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
-    AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Layer,
-    SCENE_SCHEMA, Scene, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel, Visit,
+    AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
+    Patient, SCENE_SCHEMA, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel, Visit,
     limits, one_line, patient, pins, problem,
 };
 use crate::curve::{List, given, given_object, object, present, present_object};
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, IgnoredAny};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
+
+/// A scene: one implant in one pocket under a stack of tissue layers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(remote = "Self")]
+pub struct Scene {
+    /// The dome.
+    #[serde(skip)]
+    pub implant: Implant,
+    /// The maker's name of the implant's size, up to 60 characters in one line, in a file `reference` in `implant`; empty: not stated. No
+    /// result depends on it.
+    #[serde(skip)]
+    pub implant_reference: String,
+    /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
+    pub pocket_radius_mm: f64,
+    /// Tissue model and patch.
+    #[serde(flatten)]
+    pub body: Body,
+    /// The chest wall; `None`: flat. Layered tissue only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chest: Option<ChestShape>,
+    /// The chest wall by a grid of heights, instead of radii: in a file `grid` in `chest`.
+    #[serde(rename = "chest", skip_serializing_if = "Option::is_none")]
+    pub chest_grid: Option<ChestGrid>,
+    /// Insertion t \[-\], 0 (flat) to 1 (full height).
+    pub insertion: f64,
+    /// Layers from the skin inwards, 1 to 8.
+    pub layers: Vec<Layer>,
+    /// Factors of the thickness of all solid layers from place to place; `None`: even. Layered tissue only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_field: Option<ThicknessGrid>,
+    /// Measurements of a person, and the fields that were derived from them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patient: Option<Patient>,
+    /// The patient's side of the breast; `None`: not stated, drawn as a left one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<Side>,
+    /// Patient and visit in words; no result depends on the visit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visit: Option<Visit>,
+    /// The spring law.
+    pub springs: Springs,
+    /// Grid and tolerance.
+    pub solver: SolverSettings,
+}
+
+impl Default for Scene {
+    /// The scene of the defaults of a file: a 55 mm hemisphere fully under layered skin and fat.
+    fn default() -> Self {
+        let pocket_radius_mm = 70.0;
+        Self {
+            implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
+            implant_reference: String::new(),
+            pocket_radius_mm,
+            body: Body::around(pocket_radius_mm, TissueModel::Layered),
+            chest: None,
+            chest_grid: None,
+            insertion: full_insertion(),
+            layers: default_layers(),
+            thickness_field: None,
+            patient: None,
+            side: None,
+            visit: None,
+            springs: Springs::default(),
+            solver: SolverSettings::default(),
+        }
+    }
+}
+
+impl Serialize for Scene {
+    /// Writes the schema, the implant with its reference, then the other members in their order.
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Written<'a> {
+            schema: &'static str,
+            implant: Named<'a>,
+            #[serde(flatten, serialize_with = "Scene::serialize")]
+            others: &'a Scene,
+        }
+        let implant =
+            Named { implant: self.implant.in_few_words(), reference: &self.implant_reference };
+        Written { schema: SCENE_SCHEMA, implant, others: self }.serialize(to)
+    }
+}
+
+impl<'de> Deserialize<'de> for Scene {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let scene = SceneFile::deserialize(from)?.filled().and_then(CheckedScene::new);
+        scene.map(CheckedScene::into_scene).map_err(D::Error::custom)
+    }
+}
 
 /// A scene in a file; fields with a default are optional.
 #[derive(Deserialize, JsonSchema)]
@@ -124,7 +214,7 @@ fn known_schema<'de, D: Deserializer<'de>>(reader: D) -> Result<(), D::Error> {
     Err(D::Error::custom(format!("is {schema}; allowed: {SCENE_SCHEMA}")))
 }
 
-pub(super) fn full_insertion() -> f64 {
+fn full_insertion() -> f64 {
     1.0
 }
 
@@ -139,14 +229,6 @@ impl JsonSchema for Scene {
         let schema = SceneFile::json_schema(&mut reader);
         generator.definitions_mut().extend(reader.take_definitions(false));
         schema
-    }
-}
-
-impl TryFrom<SceneFile> for Scene {
-    type Error = SceneError;
-
-    fn try_from(file: SceneFile) -> Result<Self, SceneError> {
-        CheckedScene::new(file.filled()?).map(CheckedScene::into_scene)
     }
 }
 
@@ -195,5 +277,42 @@ impl SceneFile {
             patient.fill(&mut scene, &given)?;
         }
         Ok(scene)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_is_written_with_its_schema_and_its_members_in_the_order_of_a_file() {
+        let mut scene = Scene::opening();
+        (scene.side, scene.visit) = (Some(Side::Left), Some(Visit::default()));
+        scene.implant_reference = "RD-275".to_owned();
+        let json = scene.to_json();
+        let names = json.lines().filter_map(|line| line.strip_prefix("  \"")?.split('"').next());
+        assert_eq!(
+            names.collect::<Vec<_>>(),
+            [
+                "schema",
+                "implant",
+                "pocket_radius_mm",
+                "tissue_model",
+                "patch_radius_mm",
+                "attachment",
+                "chest",
+                "insertion",
+                "layers",
+                "patient",
+                "side",
+                "visit",
+                "springs",
+                "solver"
+            ]
+        );
+        assert!(
+            json.contains("    \"reference\": \"RD-275\"\n  },\n  \"pocket_radius_mm\""),
+            "{json}"
+        );
     }
 }

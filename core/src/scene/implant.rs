@@ -134,12 +134,6 @@ impl Implant {
         self.fullness.unwrap_or(HALF_ELLIPSOID)
     }
 
-    /// Sets the fullness \[-\]; that of half of an ellipsoid is not stated.
-    pub fn set_fullness(&mut self, fullness: f64) {
-        self.fullness = Some(fullness);
-        *self = self.in_few_words();
-    }
-
     /// The shape.
     #[must_use]
     pub fn shape(&self) -> HalfBall {

@@ -4,9 +4,9 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (optional fields and defaults) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
-//! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read` (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words) | `written` (a scene as it is written).
+//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
+//! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
+//! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -29,7 +29,6 @@ mod repair;
 mod thickness;
 pub mod values;
 pub mod visit;
-mod written;
 
 use crate::clinical::Size;
 use crate::curve::{given, number, present, present_whole};
@@ -43,9 +42,9 @@ pub use error::SceneError;
 use error::{check_words, one_line, out_of_range, problem};
 pub use field::Field;
 use field::Part;
-use file::{SceneFile, full_insertion};
+pub use file::Scene;
+use file::SceneFile;
 pub use implant::Implant;
-use layer::default_layers;
 pub use layer::{Layer, tissue_in_words};
 pub use patient::Patient;
 pub use pins::{Document, Letter, PinnedScene};
@@ -75,45 +74,11 @@ pub mod limits {
     pub const LAYERS: (usize, usize) = (1, 8);
 }
 
-/// A scene: one implant in one pocket under a stack of tissue layers.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "SceneFile")]
-pub struct Scene {
-    /// The dome.
-    pub implant: Implant,
-    /// The maker's name of the implant's size, up to 60 characters in one line, in a file `reference` in `implant`; empty: not stated. No
-    /// result depends on it.
-    pub implant_reference: String,
-    /// Radius a of the surgeon's pocket \[mm\]: a sheet is clamped on this circle.
-    pub pocket_radius_mm: f64,
-    /// Tissue model and patch.
-    pub body: Body,
-    /// The chest wall; `None`: flat. Layered tissue only.
-    pub chest: Option<ChestShape>,
-    /// The chest wall by a grid of heights, instead of radii: in a file `grid` in `chest`.
-    pub chest_grid: Option<ChestGrid>,
-    /// Insertion t \[-\], 0 (flat) to 1 (full height).
-    pub insertion: f64,
-    /// Layers from the skin inwards, 1 to 8.
-    pub layers: Vec<Layer>,
-    /// Factors of the thickness of all solid layers from place to place; `None`: even. Layered tissue only.
-    pub thickness_field: Option<ThicknessGrid>,
-    /// Measurements of a person, and the fields that were derived from them.
-    pub patient: Option<Patient>,
-    /// The patient's side of the breast; `None`: not stated, drawn as a left one.
-    pub side: Option<Side>,
-    /// Patient and visit in words; no result depends on the visit.
-    pub visit: Option<Visit>,
-    /// The spring law.
-    pub springs: Springs,
-    /// Grid and tolerance.
-    pub solver: SolverSettings,
-}
-
 /// Greatest length of an implant's reference \[characters\].
 pub const MAX_IMPLANT_REFERENCE: usize = 60;
 /// Path of an implant's reference in a file.
 const REFERENCE: &str = "implant.reference";
+
 /// Grid and tolerance of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
@@ -133,29 +98,6 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> Self {
         Self { nodes_per_side: 129, tolerance: 1e-4, cells_through: None }
-    }
-}
-
-impl Default for Scene {
-    /// The scene of the defaults of a file: a 55 mm hemisphere fully under layered skin and fat.
-    fn default() -> Self {
-        let pocket_radius_mm = 70.0;
-        Self {
-            implant: Implant { base_radius_mm: 55.0, projection_mm: 55.0, ..Implant::default() },
-            implant_reference: String::new(),
-            pocket_radius_mm,
-            body: Body::around(pocket_radius_mm, TissueModel::Layered),
-            chest: None,
-            chest_grid: None,
-            insertion: full_insertion(),
-            layers: default_layers(),
-            thickness_field: None,
-            patient: None,
-            side: None,
-            visit: None,
-            springs: Springs::default(),
-            solver: SolverSettings::default(),
-        }
     }
 }
 

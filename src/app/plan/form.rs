@@ -54,10 +54,14 @@ const PINCH: &str = "pinch_cm";
 const SKIN: &str = "skin";
 const CHEST: &str = "chest";
 
-/// The numbers by name, in the order of the screen; a plain one has the last name of its path.
+/// The name of a plain number: the last one of its path.
+fn name_of(number: Row) -> &'static str {
+    number.path.rsplit('.').next().unwrap_or_default()
+}
+
+/// The numbers by name, in the order of the screen.
 fn numbers() -> impl Iterator<Item = (&'static str, Number)> {
-    let name = |number: Row| number.path.rsplit('.').next().unwrap_or_default();
-    let plain = Row::PLAIN.map(|number| (name(number), Number::Plain(number)));
+    let plain = Row::PLAIN.map(|number| (name_of(number), Number::Plain(number)));
     OF_SIZE.into_iter().chain(plain).chain(OTHERS)
 }
 
@@ -322,6 +326,11 @@ mod tests {
     #[test]
     fn a_refused_text_changes_nothing() {
         let (mut scene, mut choices) = (Scene::opening(), Choices::default());
+        let plain = Row::PLAIN.map(name_of).join(", ");
+        let no_field = format!(
+            "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
+             chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks"
+        );
         for (name, text, words) in [
             ("width_cm", "wide", "Width: “wide” is not a number"),
             ("width_cm", "1e308", "Width: at most 24 cm"),
@@ -331,12 +340,7 @@ mod tests {
             ("shape", "square", "Implant: allowed: round, anatomical"),
             ("chest", "square", "Chest: allowed: flat, usual, round"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
-            (
-                "height",
-                "3",
-                "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, fullness, pinch_cm, skin, \
-                 chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks",
-            ),
+            ("height", "3", &no_field),
             ("side", "up", "Side: allowed: left, right, both, not said"),
             (
                 "date",

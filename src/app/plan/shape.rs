@@ -1,6 +1,6 @@
 //! The shape of the implant: round, or anatomical, with a height of its own and a lower apex; sizes keep its proportions.
 
-use super::{Choices, Hand, cm, mm, row};
+use super::{Choices, Hand, cm, mm, plain, row};
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
 use crate::app::widgets::quantity::{format_at_most, significant};
@@ -58,7 +58,7 @@ pub(super) fn set_size(scene: &mut Scene, size: Size) {
     let before = scene.implant;
     scene.implant.projection_mm = size.projection_mm();
     if size.fullness().to_bits() != before.fullness().to_bits() {
-        scene.implant.set_fullness(size.fullness());
+        plain::set(scene, Field::Fullness, size.fullness());
     }
     if radius.to_bits() != before.base_radius_mm.to_bits() {
         scene.implant.set_base_radius(radius);
