@@ -6,14 +6,16 @@ use crate::platform::text::text;
 use crate::platform::workers::{Runner, Workers, object, runner};
 use crate::scene::{Scene, read};
 use crate::study::{Bands, BandsSettings, Cases, Map, MapOptions, PointFile, Runner as _, Study};
-use js_sys::{Function, Promise};
+use js_sys::Function;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::cell::RefCell;
+use std::cell::Cell;
 use std::collections::HashMap;
+use std::future::poll_fn;
 use std::rc::Rc;
+use std::task::{Poll, Waker};
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::{JsFuture, spawn_local};
+use wasm_bindgen_futures::{JsFuture, future_to_promise, spawn_local};
 
 #[wasm_bindgen(module = "/web/studies.js")]
 extern "C" {
@@ -137,26 +139,17 @@ fn function<'a>(value: &'a JsValue, name: &str) -> Result<&'a Function, JsError>
     value.dyn_ref().ok_or_else(error)
 }
 
-/// Reports the progress of a study.
-type ReportTo<S> = Box<dyn FnMut(&S) -> Result<(), JsValue>>;
-
-/// A study on its way through the workers.
-struct Running<S> {
-    study: S,
-    store: Cases,
-    workers: Workers,
-    /// Index of the study's job by the index of the workers' job.
-    jobs: HashMap<usize, usize>,
-    report: ReportTo<S>,
-    finish: Box<dyn Fn(&S) -> JsValue>,
-    resolve: Function,
-    reject: Function,
+/// Where a study waits for its workers or for its end from outside.
+#[derive(Default)]
+struct Wait {
+    is_cancelled: Cell<bool>,
+    waker: Cell<Option<Waker>>,
 }
 
-/// Holds a study until its end; empty during a step of the study.
-struct Place<S> {
-    running: RefCell<Option<Running<S>>>,
-    is_cancelled: std::cell::Cell<bool>,
+impl Wait {
+    fn wake(&self) {
+        self.waker.take().into_iter().for_each(Waker::wake);
+    }
 }
 
 /// Starts a study; returns its handle. `report` is called after each job, `finish` returns the study's result.
@@ -165,76 +158,51 @@ fn start<S: Study + 'static>(
     report: impl FnMut(&S) -> Result<(), JsValue> + 'static,
     finish: impl Fn(&S) -> JsValue + 'static,
 ) -> JsValue {
-    let place = Rc::new(Place { running: RefCell::default(), is_cancelled: false.into() });
-    let workers = Workers::new({
-        let place = Rc::clone(&place);
-        move || place.advance()
-    });
-    let mut parts = Some((study, workers, Box::new(report), Box::new(finish)));
-    // The promise calls its function at once.
-    let done = Promise::new(&mut |resolve, reject| {
-        *place.running.borrow_mut() = parts.take().map(|(study, workers, report, finish)| {
-            let (store, jobs) = (Cases::default(), HashMap::new());
-            Running { study, store, workers, jobs, report, finish, resolve, reject }
-        });
-    });
+    let wait = Rc::new(Wait::default());
+    let woken = Rc::clone(&wait);
+    let mut work = Box::pin(run(study, Workers::new(move || woken.wake()), report, finish));
+    let waiting = Rc::clone(&wait);
+    let done = future_to_promise(poll_fn(move |context| {
+        waiting.waker.set(Some(context.waker().clone()));
+        let is_cancelled = || waiting.is_cancelled.get();
+        let result = if is_cancelled() { Poll::Pending } else { work.as_mut().poll(context) };
+        // The receiver of a report may have cancelled the study. A drop of the workers cancels their jobs.
+        if is_cancelled() { Poll::Ready(Err(abort_error())) } else { result }
+    }));
     // A caller without use for `done` gets no message in the console.
-    let (ignored, first) = (JsFuture::from(done.clone()), Rc::clone(&place));
-    spawn_local(async move {
-        first.advance();
-        let _ = ignored.await;
+    let ignored = JsFuture::from(done.clone());
+    spawn_local(async move { _ = ignored.await });
+    let cancel = Closure::<dyn Fn()>::new(move || {
+        wait.is_cancelled.set(true);
+        wait.wake();
     });
-    let cancel = Closure::<dyn Fn()>::new(move || place.cancel());
     object([("cancel", cancel.into_js_value()), ("done", done.into())])
 }
 
-impl<S: Study> Place<S> {
-    /// Takes the cases of finished jobs, reports, submits further jobs; ends the study after its last job.
-    fn advance(&self) {
-        let Some(mut running) = self.running.take() else { return };
-        let end = running.step();
-        // The receiver of the report may have cancelled the study. A drop of the workers cancels their jobs.
-        if self.is_cancelled.get() {
-            settle(&running.reject, &abort_error());
-            return;
-        }
-        match end {
-            Ok(None) => *self.running.borrow_mut() = Some(running),
-            Ok(Some(result)) => settle(&running.resolve, &result),
-            Err(error) => settle(&running.reject, &error),
-        }
-    }
-
-    fn cancel(&self) {
-        self.is_cancelled.set(true);
-        if let Some(running) = self.running.take() {
-            settle(&running.reject, &abort_error());
-        }
-    }
-}
-
-impl<S: Study> Running<S> {
-    /// Returns the result at the end of the study.
-    fn step(&mut self) -> Result<Option<JsValue>, JsValue> {
-        while let Some(finished) = self.workers.poll() {
-            if let Some(job) = self.jobs.remove(&finished.index) {
-                self.study.receive(job, finished.result.unwrap_or_default(), &mut self.store);
-            }
-        }
-        while self.jobs.len() < 2 * self.workers.workers()
-            && let Some((index, job)) = self.study.next_job(&mut self.store)
+/// Runs a study to its result.
+async fn run<S: Study>(
+    mut study: S,
+    mut workers: Workers,
+    mut report: impl FnMut(&S) -> Result<(), JsValue>,
+    finish: impl Fn(&S) -> JsValue,
+) -> Result<JsValue, JsValue> {
+    // Index of the study's job by the index of the workers' job.
+    let (mut jobs, mut store) = (HashMap::new(), Cases::default());
+    loop {
+        while jobs.len() < 2 * workers.workers()
+            && let Some((index, job)) = study.next_job(&mut store)
         {
-            self.jobs.insert(self.workers.submit(job), index);
+            jobs.insert(workers.submit(job), index);
         }
-        (self.report)(&self.study)?;
-        Ok(self.study.is_done().then(|| (self.finish)(&self.study)))
+        report(&study)?;
+        if study.is_done() {
+            return Ok(finish(&study));
+        }
+        let finished = poll_fn(|_| workers.poll().map_or(Poll::Pending, Poll::Ready)).await;
+        if let Some(job) = jobs.remove(&finished.index) {
+            study.receive(job, finished.result.unwrap_or_default(), &mut store);
+        }
     }
-}
-
-/// Settles a promise.
-fn settle(function: &Function, value: &JsValue) {
-    // The functions of a promise throw nothing.
-    let _ = function.call1(&JsValue::NULL, value);
 }
 
 fn abort_error() -> JsValue {
