@@ -1,7 +1,7 @@
 //! The answer: what happens to the tissue, as three cards, in one sentence, and in words for screen readers. The words
 //! and limits of all of them are those of [`bands`].
 //!
-//! `cards` (figures and words of the cards) | `shares` (sampled patients by word), `bar` (their bars without a toolkit), `draw` (the cards on
+//! `figures` (of the answer, with their words) | `cards` (figures and words of the cards) | `shares` (sampled patients by word), `bar` (their bars without a toolkit), `draw` (the cards on
 //! the screen).
 
 mod bar;
@@ -10,6 +10,7 @@ pub(crate) mod compare;
 pub(crate) mod details;
 pub(crate) mod differing;
 mod draw;
+mod figures;
 pub(crate) mod fill_steps;
 pub(crate) mod filling;
 pub(crate) mod no_answer;
@@ -32,9 +33,10 @@ use crate::scene::Scene;
 use crate::session::Session;
 use crate::springs::Springs;
 use crate::study::{implant_in_words, volume_and_width};
-use cards::{Answer, Card, cards};
+use cards::{Card, cards};
 use draw::show_card;
 use eframe::egui::{self, RichText, Ui};
+use figures::Answer;
 use practice::Practices;
 use uncertainty::Findings;
 

@@ -1,7 +1,8 @@
 //! Marks on the picture: values at the pointer and of a kept point, and the ruler. Marks move with the tissue.
 
+use super::moves::viewport_point;
 use super::overlay::pointer_box;
-use super::{Viewport, readout, viewport_point};
+use super::{Viewport, readout};
 use crate::app::frame::research;
 use crate::app::plan::device::Device;
 use crate::app::texts::{fixed, tr};
