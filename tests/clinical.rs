@@ -149,8 +149,9 @@ fn any_two_dimensions_give_the_third() {
             assert_close(volume, wanted, 1e-14);
             let by_volume = Size::of_width_and_volume(width, volume).unwrap();
             assert_close(by_volume.projection_mm(), projection, 1e-13);
-            let by_projection = Size::of_projection_and_volume(projection, volume).unwrap();
-            assert_close(by_projection.base_width_mm(), width, 1e-13);
+            let flat = Size::of_width_and_volume(240.0, volume).unwrap();
+            let by_projection = flat.changed(Dimension::Projection, projection, Dimension::Volume);
+            assert_close(by_projection.unwrap().base_width_mm(), width, 1e-13);
         }
     }
     // 12 cm and 300 ml.
@@ -186,6 +187,7 @@ fn a_changed_dimension_keeps_the_locked_one() {
 #[test]
 fn sizes_out_of_range_are_rejected_in_one_line() {
     let error = |result: Result<Size, ClinicalError>| result.map(|_| ()).unwrap_err().to_string();
+    let size = Size::of_width_and_volume(120.0, 300.0).unwrap();
     for (found, wanted) in [
         (
             error(Size::of_width_and_projection(300.0, 40.0)),
@@ -200,7 +202,7 @@ fn sizes_out_of_range_are_rejected_in_one_line() {
             "400 ml on a base of 60 mm gives a projection of 212 mm; allowed: 2 to 120 mm",
         ),
         (
-            error(Size::of_projection_and_volume(4.0, 300.0)),
+            error(size.changed(Dimension::Projection, 4.0, Dimension::Volume)),
             "300 ml at a projection of 4 mm gives a base width of 378 mm; allowed: 20 to 240 mm",
         ),
         (

@@ -119,17 +119,6 @@ impl Size {
         Ok(Self { projection_mm, ..flat })
     }
 
-    /// The round size of a projection \[mm\] and a volume \[ml\].
-    ///
-    /// # Errors
-    /// A projection out of its range, or a volume that gives a base width outside of 20–240 mm.
-    pub fn of_projection_and_volume(
-        projection_mm: f64,
-        volume_ml: f64,
-    ) -> Result<Self, ClinicalError> {
-        Self::HEMISPHERE.with_projection(projection_mm, volume_ml)
-    }
-
     fn with_projection(self, projection_mm: f64, volume_ml: f64) -> Result<Self, ClinicalError> {
         let projection = checked("projection", projection_mm, limits::PROJECTION_MM, " mm")?;
         let narrow = Self { base_width_mm: 1.0, projection_mm: projection, ..self };

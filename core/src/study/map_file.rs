@@ -1,6 +1,7 @@
 //! A map as a table (CSV) and as JSON.
 
 use super::{Axis, Case, Difference, Map, MapCheck, MapSettings, PointStatus, Quantity, Values};
+use crate::export::number;
 use crate::measure::bands::Band;
 use crate::scene::Scene;
 use schemars::JsonSchema;
@@ -200,9 +201,9 @@ impl Map {
         columns.extend(["status".to_owned(), "pocket_radius_mm".to_owned()]);
         columns.extend(Quantity::ALL.map(|quantity| quantity.name().to_owned()));
         let mut table = columns.join(",") + "\n";
-        let cell = |value: Option<f64>| value.map_or_else(String::new, rounded);
+        let cell = |value: Option<f64>| value.map(number).unwrap_or_default();
         for point in self.points() {
-            let mut row: Vec<String> = point.at.iter().map(|value| rounded(*value)).collect();
+            let mut row: Vec<String> = point.at.iter().map(|value| number(*value)).collect();
             row.extend([point.status.word().to_owned(), cell(point.pocket_radius_mm)]);
             row.extend(Quantity::ALL.map(|quantity| cell(point.values.get(quantity))));
             // Writing to a String cannot fail.
@@ -210,10 +211,4 @@ impl Map {
         }
         table
     }
-}
-
-/// Ten significant digits.
-fn rounded(value: f64) -> String {
-    let digits = format!("{value:.9e}");
-    digits.parse::<f64>().map_or(digits, |value| (value + 0.0).to_string())
 }
