@@ -112,6 +112,15 @@ impl Report {
     }
 }
 
+/// Name of a spring law in tables.
+#[must_use]
+pub fn springs_name(springs: Springs) -> &'static str {
+    match springs {
+        Springs::Coupled => "coupled",
+        Springs::Nikolaev => "nikolaev",
+    }
+}
+
 /// Runs the tension test.
 #[must_use]
 pub fn run(test: &Test) -> Report {

@@ -1,6 +1,7 @@
 //! Rows of the study and their CSV table.
 
 use super::{Case, Method};
+use crate::tension::springs_name;
 use implant_preview_core::springs::Springs;
 use serde::Serialize;
 use std::fmt::Write;
@@ -69,10 +70,6 @@ pub fn table(rows: &[Row]) -> String {
          error_vs_own_grid,error_vs_reference,{inner}status\n"
     );
     for row in rows {
-        let springs = match row.springs {
-            Springs::Coupled => "coupled",
-            Springs::Nikolaev => "nikolaev",
-        };
         let field = |error: Option<f64>| error.map(|e| format!("{e:.4e}")).unwrap_or_default();
         let mut reference = field(row.error_vs_reference);
         if has_layers {
@@ -81,8 +78,9 @@ pub fn table(rows: &[Row]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             csv,
-            "{},{springs},{},{},{:.2},{:.4},{:.4e},{reference},{}",
+            "{},{},{},{},{:.2},{:.4},{:.4e},{reference},{}",
             row.method.name(),
+            springs_name(row.springs),
             row.scene.name(),
             row.nodes_per_side,
             row.work_units,

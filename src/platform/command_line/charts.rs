@@ -1,13 +1,13 @@
 //! `charts`: the paper's charts 1 to 4 for both spring laws, and the errors of the Poisson ratio.
 
-use super::output::{self, File, OutputFolder, springs_name};
+use super::output::{self, File, OutputFolder};
 use super::tension::{COLUMNS, table_rows};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec};
 use crate::export::number;
 use crate::springs::Springs;
 use implant_preview_lab::charts::tension::{Chart, Kind, Series, draw};
-use implant_preview_lab::tension::{Protocol, Report, Test, run as run_tension};
+use implant_preview_lab::tension::{Protocol, Report, Test, run as run_tension, springs_name};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::Path;

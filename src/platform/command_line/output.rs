@@ -1,7 +1,6 @@
 //! Output: files written completely or not at all, files written line by line, standard output, and the line on standard error.
 
 use super::{InputError, standard};
-use crate::springs::Springs;
 use same_file::Handle;
 use std::fs;
 use std::io::{ErrorKind, Seek, SeekFrom, Write};
@@ -218,12 +217,4 @@ fn cannot_be_written(path: &Path, error: &std::io::Error) -> InputError {
         return InputError(format!("standard output: cannot be written: {error}"));
     }
     input_error(path, format!("cannot be written: {error}"))
-}
-
-/// Name of a spring law in tables and arguments.
-pub(super) fn springs_name(springs: Springs) -> &'static str {
-    match springs {
-        Springs::Coupled => "coupled",
-        Springs::Nikolaev => "nikolaev",
-    }
 }

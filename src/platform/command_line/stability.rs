@@ -1,6 +1,6 @@
 //! `stability`: stability of a uniformly stretched sheet, as a table and a map for each curve.
 
-use super::output::{self, File, OutputFolder, springs_name};
+use super::output::{self, File, OutputFolder};
 use super::{ExitStatus, InputError};
 use crate::curve::{Curve, CurveSpec, FULL_STRAIN};
 use crate::export::number;
@@ -9,6 +9,7 @@ use crate::springs::Springs;
 use crate::springs::stability::Load;
 use implant_preview_lab::charts::stability_map::{Map, draw};
 use implant_preview_lab::stability::{Point, row};
+use implant_preview_lab::tension::springs_name;
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::Path;

@@ -1,13 +1,15 @@
 //! `tension`: the paper's tension test as a table.
 
-use super::output::{self, File, springs_name};
+use super::output::{self, File};
 use super::{ExitStatus, InputError, file, in_range};
 use crate::curve::{Curve, CurveSpec, Fat};
 use crate::export::{number, quoted};
 use crate::scene::read;
 use crate::springs::Springs;
 use clap::ValueEnum;
-use implant_preview_lab::tension::{Protocol, Report, Row, Status, Test, run as run_tension};
+use implant_preview_lab::tension::{
+    Protocol, Report, Row, Status, Test, run as run_tension, springs_name,
+};
 use std::path::{Path, PathBuf};
 
 /// Header of the table.
