@@ -33,6 +33,7 @@ fn patient(case: u64) -> Scene {
         fat_poisson_ratio: [0.45, 0.49, 0.495][case as usize % 3],
         fat_rate: None,
         has_chest: false,
+        has_terrain: false,
         nodes_per_side,
         measures_errors: false,
     };

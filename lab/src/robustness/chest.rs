@@ -93,16 +93,21 @@ pub(super) fn fullness(rng: &mut Rng, scene: &mut Scene) {
 
 /// A smooth mound of thickness under the implant's apex, where the nipple is.
 fn mound(rng: &mut Rng, scene: &Scene) -> ThicknessGrid {
-    let solids: f64 = scene.layers.iter().skip(1).map(|layer| layer.thickness_mm).sum();
-    let height_mm = uniform(rng, MOUND_MM).min((MOST_FACTOR - 1.0) * solids);
+    let height_mm = uniform(rng, MOUND_MM);
     let mound = Mound { height_mm, width_mm: uniform(rng, MOUND_WIDTH_MM) };
     let [x, y] = scene.implant.center_mm;
-    let apex = [x, y - scene.implant.apex_shift_mm];
+    mound_at(scene, mound, [x, y - scene.implant.apex_shift_mm])
+}
+
+/// A mound of thickness about a place on the wall \[mm\].
+pub(super) fn mound_at(scene: &Scene, mound: Mound, center: [f64; 2]) -> ThicknessGrid {
+    let solids: f64 = scene.layers.iter().skip(1).map(|layer| layer.thickness_mm).sum();
+    let mound = Mound { height_mm: mound.height_mm.min((MOST_FACTOR - 1.0) * solids), ..mound };
     let half = (COLUMNS / 2) as f64;
     let spacing_mm = scene.patch_radius() / half;
     let factor = |k: usize| {
         let at = [k % COLUMNS, k / COLUMNS].map(|index| (index as f64 - half) * spacing_mm);
-        let distance = (at[0] - apex[0]).hypot(at[1] - apex[1]);
+        let distance = (at[0] - center[0]).hypot(at[1] - center[1]);
         let factor = mound.factor(distance, solids.max(THINNEST_MM));
         // Few digits keep the files of a run small.
         (1e4 * factor).round() / 1e4

@@ -1,10 +1,12 @@
 //! Random patients under round implants: solved once each, without comparisons.
 //!
 //! Distributions: spread between people as in `clinical::spread`; base radius 45–75 mm and volume 120–600 ml with
-//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant. With chests: those of `chest`.
+//! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant. With chests: those of `chest`; with terrain: 150–500 ml and
+//! the bodies of `terrain`.
 
 use super::{
     Case, Ending, Endings, Population, check_layered, chest, nodes, random, scenes::uniform, solve,
+    terrain,
 };
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
@@ -48,6 +50,9 @@ pub struct Clinical {
     /// Has every patient a curved chest, half of them another implant or a mound?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_chest: bool,
+    /// Has every patient the wall and the mound of a body, half of them an anatomical implant?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_terrain: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -71,9 +76,10 @@ impl Clinical {
     pub fn scene(self, seed: u64, case: u64) -> Scene {
         let rng = &mut random(seed, case);
         let mut scene = Scene { chest: None, patient: None, ..Scene::opening() };
+        let volumes = if self.has_terrain { terrain::VOLUME_ML } else { VOLUME_ML };
         let (radius, projection) = loop {
             let radius = uniform(rng, BASE_RADIUS_MM);
-            let volume = uniform(rng, VOLUME_ML);
+            let volume = uniform(rng, volumes);
             let Ok(size) = Size::of_width_and_volume(2.0 * radius, volume) else { continue };
             let projection = size.projection_mm();
             if (PROJECTION.0..=PROJECTION.1).contains(&(projection / radius)) {
@@ -108,6 +114,9 @@ impl Clinical {
         if self.has_chest {
             chest::patient(rng, &mut scene);
             chest::fullness(rng, &mut scene);
+        }
+        if self.has_terrain {
+            terrain::patient(rng, &mut scene);
         }
         scene
     }
@@ -247,6 +256,7 @@ mod tests {
                 fat_poisson_ratio: 0.49,
                 fat_rate,
                 has_chest,
+                has_terrain: false,
                 nodes_per_side: 65,
                 measures_errors: false,
             };
@@ -276,5 +286,26 @@ mod tests {
                 "{counts:?}"
             );
         }
+    }
+    #[test]
+    fn a_body_has_a_wall_with_bumps_and_a_mound() {
+        let clinical = Clinical {
+            fat_poisson_ratio: 0.49,
+            fat_rate: None,
+            has_chest: false,
+            has_terrain: true,
+            nodes_per_side: 33,
+            measures_errors: false,
+        };
+        let scenes: Vec<Scene> = (0..60).map(|case| clinical.scene(7, case)).collect();
+        assert!(scenes.iter().all(|scene| scene.validate().is_ok()));
+        assert!(scenes.iter().all(|scene| scene.chest_grid.is_some()));
+        let anatomical = scenes.iter().filter(|scene| !scene.implant.is_round()).count();
+        assert!((20..=40).contains(&anatomical), "{anatomical}");
+        let thickest = |scene: &Scene| {
+            let field = scene.thickness_field.as_ref().unwrap();
+            field.factors.iter().copied().fold(0.0, f64::max) * scene.layers[1].thickness_mm
+        };
+        assert!(scenes.iter().any(|scene| thickest(scene) > 60.0));
     }
 }

@@ -1,7 +1,7 @@
 //! Robustness tests: random scenes and edit sequences checked against invariants.
 //!
 //! `scenes` (random sheets) | `layered_scenes` (random layered tissue) | `chest` (chests with other implants and mounds, and the fullness) |
-//! `check`, `check_layered` (invariants) | `clinical` (random patients) | `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
+//! `terrain` (walls and mounds of bodies) | `check`, `check_layered` (invariants) | `clinical` (random patients) | `compare` (other solution paths) | `edits` (random sessions) | `shrink` (reduction of a failing scene) | `summary`.
 //! A case depends on population, seed and number alone: equal on every machine and in every order.
 
 pub mod check;
@@ -14,6 +14,7 @@ mod layered_scenes;
 mod scenes;
 mod shrink;
 mod summary;
+mod terrain;
 
 pub use summary::{Endings, LayeredSummary, PopulationSummary, Summary};
 

@@ -45,6 +45,10 @@ pub(super) struct Arguments {
     /// centre, half of them a mound of thickness, half of them an implant of another fullness.
     #[arg(long)]
     chest: bool,
+    /// Clinical population: every scene has the usual chest with bumps as a grid, a mound of thickness off centre, and in half of the
+    /// scenes an anatomical implant; 150 to 500 ml.
+    #[arg(long, requires = "clinical", conflicts_with = "chest")]
+    terrain: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -98,6 +102,7 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         fat_poisson_ratio,
         fat_rate,
         has_chest: arguments.chest,
+        has_terrain: arguments.terrain,
         nodes_per_side: nodes,
         measures_errors: measure_errors,
     };

@@ -1,0 +1,89 @@
+//! Random walls and tissue as bodies have them: the usual chest with bumps, a mound off centre, round and anatomical implants.
+
+use super::chest::mound_at;
+use super::scenes::uniform;
+use crate::axisymmetric_layers::Mound;
+use fastrand::Rng;
+use glam::DVec2;
+use implant_preview_core::mesh::Chest;
+use implant_preview_core::scene::{ChestGrid, ChestShape, HeightsGrid, Scene};
+use std::f64::consts::TAU;
+
+/// Volume of the implant \[ml\].
+pub(super) const VOLUME_ML: (f64, f64) = (150.0, 500.0);
+/// The most bumps of the wall, and their height and width \[mm\].
+const BUMPS: usize = 6;
+const BUMP_MM: (f64, f64) = (-8.0, 8.0);
+const BUMP_WIDTH_MM: (f64, f64) = (20.0, 60.0);
+/// Height and width of a mound, and the greatest way of its centre from the pocket's \[mm\].
+const MOUND_MM: (f64, f64) = (0.0, 70.0);
+const MOUND_WIDTH_MM: (f64, f64) = (35.0, 60.0);
+const MOUND_OFF_MM: f64 = 30.0;
+/// Height of the base \[width\], and way of the apex \[height of the base\].
+const BASE_HEIGHT: (f64, f64) = (0.85, 1.15);
+const APEX_SHIFT: (f64, f64) = (0.0, 0.19);
+/// Distance of neighbouring heights \[mm\], and the margin of the grid beyond the patch \[mm\].
+const SPACING_MM: f64 = 5.0;
+const MARGIN_MM: f64 = 10.0;
+/// Draws of a wall before bumps are left out.
+const DRAWS: usize = 8;
+
+/// A bump of the wall.
+struct Bump {
+    at: DVec2,
+    height_mm: f64,
+    width_mm: f64,
+}
+
+/// Gives a scene of a round implant a body: half of the implants are anatomical.
+pub(super) fn patient(rng: &mut Rng, scene: &mut Scene) {
+    let margin = scene.room_mm();
+    if rng.bool() {
+        let height = 2.0 * scene.implant.base_radius_mm * uniform(rng, BASE_HEIGHT);
+        scene.implant.base_height_mm = Some(height);
+        scene.implant.apex_shift_mm = height * uniform(rng, APEX_SHIFT);
+        scene.set_pocket_radius(scene.implant.greatest_half_axis_mm() + margin);
+    }
+    let mound = Mound { height_mm: uniform(rng, MOUND_MM), width_mm: uniform(rng, MOUND_WIDTH_MM) };
+    let off = DVec2::from_angle(TAU * rng.f64()) * (MOUND_OFF_MM * rng.f64());
+    scene.thickness_field = Some(mound_at(scene, mound, off.to_array()));
+    let most = rng.usize(0..=BUMPS);
+    // Bumps within the limits of hollows and slopes.
+    for count in (0..=most).rev() {
+        for _ in 0..DRAWS {
+            let bumps: Vec<Bump> = (0..count).map(|_| bump(rng, scene)).collect();
+            scene.chest_grid = Some(wall(scene, &bumps));
+            if scene.validate().is_ok() {
+                return;
+            }
+        }
+    }
+}
+
+fn bump(rng: &mut Rng, scene: &Scene) -> Bump {
+    let distance = scene.patch_radius() * rng.f64().sqrt();
+    Bump {
+        at: DVec2::from_angle(TAU * rng.f64()) * distance,
+        height_mm: uniform(rng, BUMP_MM),
+        width_mm: uniform(rng, BUMP_WIDTH_MM),
+    }
+}
+
+/// The usual chest with bumps.
+fn wall(scene: &Scene, bumps: &[Bump]) -> ChestGrid {
+    let half = ((scene.patch_radius() + MARGIN_MM) / SPACING_MM).ceil();
+    let columns = 2 * half as usize + 1;
+    let across_mm = ChestShape::USUAL.radius_across_mm;
+    let usual = Chest::Curved { across_mm, along_mm: f64::INFINITY };
+    let height = |k: usize| {
+        let at = DVec2::new((k % columns) as f64 - half, (k / columns) as f64 - half) * SPACING_MM;
+        let bump = |bump: &Bump| {
+            bump.height_mm * (-at.distance_squared(bump.at) / bump.width_mm.powi(2)).exp()
+        };
+        let height: f64 = usual.height(at) + bumps.iter().map(bump).sum::<f64>();
+        (1e4 * height).round() / 1e4
+    };
+    let heights_mm = (0..columns * columns).map(height).collect();
+    let grid = HeightsGrid { spacing_mm: SPACING_MM, columns, rows: columns, heights_mm };
+    ChestGrid { grid }
+}
