@@ -116,7 +116,7 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     outcome.warnings.extend(scene.patient_warnings());
     outcome.warnings.extend(scene.curve_warnings());
     let wall = &fields.solution().problem().obstacle.wall.0;
-    outcome.warnings.extend(scene.chest_warning(wall));
+    outcome.warnings.extend(scene.chest_warnings(wall));
     outcome.warnings.extend(scene.pocket_warning(wall));
     outcome
 }

@@ -44,7 +44,11 @@ impl CheckedScene {
         let same_ground = earlier.filter(|earlier| ground(&earlier.scene) == ground(&scene));
         let (wall, thickness) = match same_ground {
             Some(earlier) => (earlier.wall.clone(), earlier.thickness.clone()),
-            None => (scene.scanned_wall()?.unwrap_or_else(|| scene.wall()), scene.thickness()?),
+            None => {
+                let thickness = scene.thickness()?;
+                let scanned = scene.scanned_wall(thickness.as_ref())?;
+                (scanned.unwrap_or_else(|| scene.wall()), thickness)
+            }
         };
         if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {
             let materials = Arc::clone(&earlier.materials);

@@ -2,8 +2,8 @@
 
 use super::chest::LEAST_OF_TISSUE;
 use super::{Scene, SceneError, grid, out_of_range, problem};
-use crate::curve::{number, whole};
-use crate::mesh::{Chest, HeightGrid};
+use crate::curve::{number, present, whole};
+use crate::mesh::{Chest, HeightGrid, ThicknessField};
 use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,8 +34,20 @@ pub struct HeightsGrid {
     #[serde(serialize_with = "grid::written", deserialize_with = "grid::read")]
     #[schemars(with = "Vec<f64>")]
     pub heights_mm: Arc<[f64]>,
+    /// Standard deviation of a Gaussian mean that smooths the heights \[mm\], 0 to 20; planes stay. Default: 0, the heights as given.
+    #[serde(default, deserialize_with = "present", skip_serializing_if = "is_zero")]
+    pub smooth_mm: f64,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
+/// Smoothing \[mm\].
+const SMOOTH_MM: (f64, f64) = (0.0, 20.0);
+/// Reach of the Gaussian mean \[standard deviations\].
+const SMOOTH_REACH: f64 = 3.0;
 /// Heights \[mm\].
 const HEIGHTS_MM: (f64, f64) = (-1000.0, 1000.0);
 /// Greatest tilt of the grid at its centre \[degrees\], and the tilt that a result mentions: the subtracted plane shears the wall.
@@ -46,20 +58,23 @@ const LEAST_UP: f64 = 0.24;
 const LEAST_SPREAD: f64 = 0.3;
 /// Directions and lengths of the geodesics of the check.
 const DIRECTIONS: usize = 48;
-const LENGTHS: usize = 4;
+const LENGTHS: usize = 8;
 
 const PATH: &str = "chest.grid";
 /// The error of a chest with radii and a grid.
 pub(super) const BOTH: &str = "both radii and a grid; allowed: one of them";
 
 impl Scene {
-    /// The wall of the scene's grid; `None` without a grid.
+    /// The wall of the scene's grid under tissue of this thickness; `None` without a grid.
     ///
     /// # Errors
     /// A field that is out of its range, or a wall that does not carry the tissue.
-    pub(super) fn scanned_wall(&self) -> Result<Option<Chest>, SceneError> {
+    pub(super) fn scanned_wall(
+        &self,
+        thickness: Option<&ThicknessField>,
+    ) -> Result<Option<Chest>, SceneError> {
         let Some(ChestGrid { grid }) = &self.chest_grid else { return Ok(None) };
-        let HeightsGrid { spacing_mm, columns, rows, heights_mm } = grid;
+        let HeightsGrid { spacing_mm, columns, rows, heights_mm, smooth_mm } = grid;
         self.check_may_have_chest()?;
         if self.chest.is_some() {
             return Err(problem("chest", BOTH));
@@ -67,7 +82,11 @@ impl Scene {
         let counts = [*columns, *rows];
         let form = grid::Form { path: PATH, values: "heights_mm", spacing_mm: *spacing_mm };
         form.check(counts, heights_mm, HEIGHTS_MM, "mm")?;
-        let heights = HeightGrid::new(*spacing_mm, counts, heights_mm.to_vec());
+        if !(SMOOTH_MM.0..=SMOOTH_MM.1).contains(smooth_mm) {
+            let allowed = format!("{} to {} mm", SMOOTH_MM.0, SMOOTH_MM.1);
+            return Err(out_of_range("chest.grid.smooth_mm", number(*smooth_mm), &allowed));
+        }
+        let heights = HeightGrid::new(*spacing_mm, counts, grid.smoothed());
         let heights = heights.ok_or_else(|| problem(PATH, "no grid of numbers"))?;
         let tilt = tilt(&heights);
         if tilt > TILTS.0 {
@@ -76,7 +95,7 @@ impl Scene {
             return Err(out_of_range(PATH, value, &allowed));
         }
         let wall = Chest::Grid(heights);
-        self.check_wall(&wall, &form, counts)?;
+        self.check_wall(&wall, thickness, &form, counts)?;
         Ok(Some(wall))
     }
 
@@ -84,10 +103,15 @@ impl Scene {
     fn check_wall(
         &self,
         wall: &Chest,
+        thickness: Option<&ThicknessField>,
         form: &grid::Form,
         counts: [usize; 2],
     ) -> Result<(), SceneError> {
-        let (patch, tissue) = (self.patch_radius(), self.tissue_mm());
+        let (patch, skin) = (self.patch_radius(), self.layers[0].thickness_mm);
+        let solids = self.tissue_mm() - skin;
+        // Lengths along the wall, as the thickness field has them.
+        let tissue =
+            |along: DVec2| skin + solids * thickness.map_or(1.0, |field| field.factor(along));
         // Beyond the grid its margin goes on: there the grid's size is the reason.
         let refused = |value: String, place: DVec2, allowed: &str| {
             let size = form.check_reach(counts, place.abs().to_array()).err();
@@ -97,10 +121,8 @@ impl Scene {
         let mut reach = DVec2::ZERO;
         for ring in 1..=LENGTHS {
             let length = patch * ring as f64 / LENGTHS as f64;
-            let foot = |k: usize| {
-                let angle = TAU * (k % DIRECTIONS) as f64 / DIRECTIONS as f64;
-                wall.foot_and_normal(DVec2::from_angle(angle) * length)
-            };
+            let along = |k: usize| DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64) * length;
+            let foot = |k: usize| wall.foot_and_normal(along(k));
             let feet: Vec<_> = (0..DIRECTIONS).map(foot).collect();
             for (k, (point, normal)) in feet.iter().enumerate() {
                 let place = point.truncate();
@@ -116,10 +138,11 @@ impl Scene {
                 }
                 let [xx, xy, yy] = wall.curvature(place);
                 let bend = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
-                if bend * LEAST_OF_TISSUE * tissue > 1.0 {
+                let least = LEAST_OF_TISSUE * tissue(along(k));
+                if bend * least > 1.0 {
                     let value = format!("hollow with a radius of {:.0} mm", 1.0 / bend);
-                    let least = number((LEAST_OF_TISSUE * tissue).ceil());
-                    let allowed = format!("{least} mm or more, twice the tissue");
+                    let allowed =
+                        format!("{} mm or more, twice the tissue there", number(least.ceil()));
                     return refused(value, place, &allowed);
                 }
                 reach = reach.max(place.abs());
@@ -129,15 +152,65 @@ impl Scene {
     }
 
     /// What a result says about the grid of the chest.
-    pub(crate) fn chest_warning(&self, wall: &Chest) -> Option<String> {
-        let Chest::Grid(heights) = wall else { return None };
+    pub(crate) fn chest_warnings(&self, wall: &Chest) -> Vec<String> {
+        let (Chest::Grid(heights), Some(ChestGrid { grid })) = (wall, &self.chest_grid) else {
+            return Vec::new();
+        };
         let tilt = tilt(heights);
-        (tilt > TILTS.1).then(|| {
+        let tilted = (tilt > TILTS.1).then(|| {
             format!(
                 "The grid of the chest is tilted by {tilt:.0}° at the pocket's centre; heights count from the plane that \
                  touches it there."
             )
-        })
+        });
+        let smoothed = (grid.smooth_mm > 0.0).then(|| {
+            let moved = grid.smoothed();
+            let moves =
+                moved.iter().zip(&*grid.heights_mm).map(|(after, before)| (after - before).abs());
+            format!(
+                "The heights of the chest are smoothed by {} mm; they moved by up to {:.1} mm.",
+                number(grid.smooth_mm),
+                moves.fold(0.0, f64::max)
+            )
+        });
+        tilted.into_iter().chain(smoothed).collect()
+    }
+}
+
+impl HeightsGrid {
+    /// The heights after their smoothing \[mm\].
+    fn smoothed(&self) -> Vec<f64> {
+        let mut heights = self.heights_mm.to_vec();
+        let deviation = self.smooth_mm / self.spacing_mm;
+        if deviation <= 0.0 {
+            return heights;
+        }
+        let reach = (SMOOTH_REACH * deviation).ceil() as usize;
+        let weights: Vec<f64> =
+            (0..=reach).map(|k| (-0.5 * (k as f64 / deviation).powi(2)).exp()).collect();
+        let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
+        let mut line = Vec::new();
+        for (lines, count, step, stride) in
+            [(self.rows, self.columns, self.columns, 1), (self.columns, self.rows, 1, self.columns)]
+        {
+            for first in (0..lines).map(|line| line * step) {
+                line.clear();
+                line.extend((0..count).map(|k| heights[first + k * stride]));
+                // Beyond an edge the heights go on, turned about it: planes stay.
+                let last = count - 1;
+                let at = |k: isize| match usize::try_from(k) {
+                    Err(_) => 2.0 * line[0] - line[k.unsigned_abs().min(last)],
+                    Ok(k) if k <= last => line[k],
+                    Ok(k) => 2.0 * line[last] - line[last - (k - last).min(last)],
+                };
+                for k in 0..count {
+                    let pair = |j: usize| at(k as isize - j as isize) + at((k + j) as isize);
+                    let around: f64 = (1..=reach).map(|j| weights[j] * pair(j)).sum();
+                    heights[first + k * stride] = (weights[0] * line[k] + around) / sum;
+                }
+            }
+        }
+        heights
     }
 }
 
@@ -157,7 +230,8 @@ mod tests {
         let place =
             |k: usize| DVec2::new((k % columns) as f64 - half, (k / columns) as f64 - half) * 5.0;
         let heights_mm = (0..columns * columns).map(|k| height(place(k))).collect();
-        let grid = HeightsGrid { spacing_mm: 5.0, columns, rows: columns, heights_mm };
+        let grid =
+            HeightsGrid { spacing_mm: 5.0, columns, rows: columns, heights_mm, smooth_mm: 0.0 };
         Scene { chest_grid: Some(ChestGrid { grid }), ..Scene::default() }
     }
 
@@ -184,10 +258,10 @@ mod tests {
             }
         }
         assert!(!round.same_physics(&Scene::default()));
-        assert_eq!(round.chest_warning(&problem.obstacle.wall.0), None);
+        assert_eq!(round.chest_warnings(&problem.obstacle.wall.0), [""; 0]);
         let tilted = scene(51, |at| sphere(150.0)(at) + 0.1 * at.x);
         let wall = tilted.problem().unwrap().obstacle.wall.0;
-        let warning = tilted.chest_warning(&wall).unwrap();
+        let [warning] = &*tilted.chest_warnings(&wall) else { panic!("one line") };
         assert!(warning.starts_with("The grid of the chest is tilted by 6°"), "{warning}");
     }
 
@@ -251,5 +325,57 @@ mod tests {
             .replace("[null,", "[");
         let error = Scene::from_json(&text).unwrap_err().to_string();
         assert!(error.starts_with("chest: both radii and a grid"), "{error}");
+    }
+    /// A hollow is deep or not by the tissue in it.
+    #[test]
+    fn the_limit_of_a_hollow_is_that_of_the_tissue_at_its_place() {
+        let dent =
+            |at: DVec2| -6.0 * (-(at - DVec2::new(60.0, 0.0)).length_squared() / 400.0).exp();
+        let with_factor = |there: f64| {
+            let mut scene = scene(61, dent);
+            scene.layers[1].thickness_mm = 20.0;
+            let factor = |k: usize| if k % 61 > 30 { there } else { 1.0 };
+            scene.thickness_field = Some(crate::scene::ThicknessGrid {
+                spacing_mm: 5.0,
+                columns: 61,
+                rows: 61,
+                factors: (0..61 * 61).map(factor).collect(),
+            });
+            scene
+        };
+        assert_eq!(with_factor(0.5).validate(), Ok(()));
+        let error = with_factor(1.0).validate().unwrap_err().to_string();
+        assert!(error.starts_with("chest.grid is hollow with a radius of "), "{error}");
+        assert!(error.ends_with(" mm or more, twice the tissue there"), "{error}");
+    }
+
+    #[test]
+    fn smoothing_keeps_planes_flattens_waves_and_is_said() {
+        let smoothed = |height: &dyn Fn(DVec2) -> f64| {
+            let mut scene = scene(61, height);
+            scene.chest_grid.as_mut().unwrap().grid.smooth_mm = 6.0;
+            scene
+        };
+        let heights = |scene: &Scene| scene.chest_grid.as_ref().unwrap().grid.smoothed();
+        let plane = smoothed(&|at| 0.03 * at.x - 0.02 * at.y + 1.0);
+        for (after, before) in
+            heights(&plane).iter().zip(&*plane.chest_grid.clone().unwrap().grid.heights_mm)
+        {
+            assert!((after - before).abs() < 1e-12);
+        }
+        // A Gaussian mean lowers a wave cos(kx) by exp(-k²σ²/2).
+        let wave = smoothed(&|at| 1.5 * (0.2 * at.x).cos());
+        let middle = heights(&wave)[30 * 61 + 30];
+        assert!((middle - 1.5 * (-0.5_f64 * 1.44).exp()).abs() < 5e-3, "{middle}");
+        assert!(scene(61, |at| 1.5 * (0.2 * at.x).cos()).validate().is_err());
+        assert_eq!(wave.validate(), Ok(()));
+        assert_eq!(Scene::from_json(&wave.to_json()), Ok(wave.clone()));
+        let wall = wave.problem().unwrap().obstacle.wall.0;
+        let said = "The heights of the chest are smoothed by 6 mm; they moved by up to 0.8 mm.";
+        assert_eq!(wave.chest_warnings(&wall), [said]);
+        let mut wrong = wave;
+        wrong.chest_grid.as_mut().unwrap().grid.smooth_mm = 21.0;
+        let error = wrong.validate().unwrap_err().to_string();
+        assert_eq!(error, "chest.grid.smooth_mm is 21; allowed: 0 to 20 mm");
     }
 }

@@ -262,7 +262,13 @@ mod tests {
             },
             |scene: &mut Scene| {
                 let heights_mm = [0.0; 16].into();
-                let grid = HeightsGrid { spacing_mm: 10.0, columns: 4, rows: 4, heights_mm };
+                let grid = HeightsGrid {
+                    spacing_mm: 10.0,
+                    columns: 4,
+                    rows: 4,
+                    heights_mm,
+                    smooth_mm: 0.0,
+                };
                 scene.chest_grid = Some(ChestGrid { grid });
             },
         ] {

@@ -84,6 +84,7 @@ fn wall(scene: &Scene, bumps: &[Bump]) -> ChestGrid {
         (1e4 * height).round() / 1e4
     };
     let heights_mm = (0..columns * columns).map(height).collect();
-    let grid = HeightsGrid { spacing_mm: SPACING_MM, columns, rows: columns, heights_mm };
+    let grid =
+        HeightsGrid { spacing_mm: SPACING_MM, columns, rows: columns, heights_mm, smooth_mm: 0.0 };
     ChestGrid { grid }
 }
