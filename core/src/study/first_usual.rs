@@ -1,5 +1,6 @@
 //! The first plan of a list that stays usual: one scene after the other, until all words of its cards are calm.
 
+use super::one_by_one::OneByOne;
 use super::{Case, Cases, Job, Quantity, Study};
 use crate::measure::bands::{self, PracticeStretch};
 use crate::scene::Scene;
@@ -11,8 +12,7 @@ pub struct FirstUsual {
     /// The scene that is solved next, or was found.
     place: usize,
     is_found: bool,
-    is_running: bool,
-    jobs: usize,
+    jobs: OneByOne<()>,
 }
 
 impl FirstUsual {
@@ -21,7 +21,7 @@ impl FirstUsual {
     #[must_use]
     pub fn new(mut plans: Vec<(Scene, Option<PracticeStretch>)>) -> Self {
         plans.iter_mut().for_each(|(scene, _)| scene.patient = None);
-        Self { plans, place: 0, is_found: false, is_running: false, jobs: 0 }
+        Self { plans, place: 0, is_found: false, jobs: OneByOne::new() }
     }
 
     /// Index of the first plan that stays usual; `None` before the end, and if none does.
@@ -51,30 +51,19 @@ pub(super) fn is_usual(case: &Case, practice: Option<PracticeStretch>) -> bool {
 
 impl Study for FirstUsual {
     fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
-        while !self.is_found && !self.is_running {
+        while !self.is_found && self.jobs.is_idle() {
             let (scene, _) = self.plans.get(self.place)?.clone();
-            let key = store.key(&scene);
-            if let Some(case) = store.reuse(&key, false).cloned() {
-                self.take(Some(&case));
-                continue;
+            match self.jobs.ask((), scene, store) {
+                Ok(case) => self.take(Some(&case)),
+                Err(job) => return Some(job),
             }
-            self.is_running = true;
-            self.jobs += 1;
-            return Some((self.jobs - 1, Job { scenes: vec![scene], ..Job::default() }));
         }
         None
     }
 
     fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
-        if !self.is_running || job + 1 != self.jobs {
-            return;
-        }
-        self.is_running = false;
-        let case = cases.into_iter().next().filter(|case| case.status.is_some());
-        let solved = self.plans.get(self.place).map(|(scene, _)| store.key(scene));
-        self.take(case.as_ref());
-        if let (Some(case), Some(key)) = (case, solved) {
-            store.insert(key, case);
+        if let Some(((), case)) = self.jobs.receive(job, cases, store) {
+            self.take(case.as_ref());
         }
     }
 

@@ -4,7 +4,7 @@
 //! workers of a page. [`Cases`] holds the cases by content, so that no scene is solved twice.
 //!
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
-//! all runners) | `many` (jobs on threads, for as long as jobs come) | `job_threads` (the jobs of a study on them) | `queue` (the scenes of a study on their way) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
+//! all runners) | `many` (jobs on threads, for as long as jobs come) | `job_threads` (the jobs of a study on them) | `queue` (the scenes of a study on their way), `one_by_one` (of a study that asks for one at a time) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
@@ -33,6 +33,7 @@ mod map_practice;
 mod map_values;
 mod nearest;
 mod no_answer;
+mod one_by_one;
 mod parameter;
 mod percentile;
 mod practice;

@@ -4,6 +4,7 @@
 //! The bisection runs on a coarse grid. The found plan is then solved on its own grid; if that grid has no answer, the
 //! bisection is repeated there. A case is computed as those of all studies, without Newton's method on layered tissue.
 
+use super::one_by_one::OneByOne;
 use super::{Case, Cases, Job, MapSettings, Parameter, Study, with_values};
 use crate::clinical::{Dimension, Size};
 use crate::scene::{Field, Implant, Scene};
@@ -72,9 +73,8 @@ pub struct Nearest {
     /// The number to vary if the present one has no value with an answer.
     next: Option<Varied>,
     search: Search,
-    /// The running job and its scene.
-    running: Option<(usize, u32, Scene)>,
-    jobs: usize,
+    /// The running job, by its value.
+    jobs: OneByOne<u32>,
     solved: usize,
 }
 
@@ -103,8 +103,7 @@ impl Nearest {
             bracket: Bracket::new(plan, first),
             next,
             search: Search::Running,
-            running: None,
-            jobs: 0,
+            jobs: OneByOne::new(),
             solved: 0,
         };
         search.leave_empty_bracket();
@@ -259,35 +258,21 @@ fn width_mm(plan: &Scene, narrowing: u32) -> f64 {
 
 impl Study for Nearest {
     fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
-        while self.search == Search::Running && self.running.is_none() {
+        while self.search == Search::Running && self.jobs.is_idle() {
             let value = self.bracket.next()?;
-            let scene = self.case_scene(value);
-            let key = store.key(&scene);
-            if let Some(case) = store.reuse(&key, false) {
-                let has_answer = case.is_converged();
-                self.take(value, has_answer);
-                continue;
+            match self.jobs.ask(value, self.case_scene(value), store) {
+                Ok(case) => self.take(value, case.is_converged()),
+                Err(job) => return Some(job),
             }
-            let index = self.jobs;
-            self.jobs += 1;
-            self.running = Some((index, value, scene.clone()));
-            return Some((index, Job { scenes: vec![scene], ..Job::default() }));
         }
         None
     }
 
     fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
-        let Some((_, value, scene)) = self.running.take_if(|(index, ..)| *index == job) else {
-            return;
-        };
-        match cases.into_iter().next() {
-            Some(case) if case.error.is_none() => {
-                let has_answer = case.is_converged();
-                let key = store.key(&scene);
-                store.insert(key, case);
-                self.take(value, has_answer);
-            }
-            _ => self.search = Search::Failed,
+        match self.jobs.receive(job, cases, store) {
+            Some((value, Some(case))) => self.take(value, case.is_converged()),
+            Some((_, None)) => self.search = Search::Failed,
+            None => {}
         }
     }
 

@@ -1,6 +1,7 @@
 //! The stretch that practice's volumes give in the tissue of a plan: three round implants of the breast's base width, of practice's
 //! volume less a step of the rule, of practice's, and of a step more.
 
+use super::one_by_one::OneByOne;
 use super::{Case, Cases, Job, Quantity, Study};
 use crate::clinical::{Measurements, PracticeTable, PracticeVolume, STEP_ML, Size};
 use crate::measure::bands::PracticeStretch;
@@ -27,14 +28,14 @@ pub struct Practice {
     volume: PracticeVolume,
     scenes: [Scene; 3],
     strains: [State; 3],
-    /// The scene of each job.
-    jobs: Vec<usize>,
+    /// Number of scenes that were asked for.
+    asked: usize,
+    jobs: OneByOne<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Waiting,
-    Running,
     /// The strain \[-\]; `None` without an answer.
     Done(Option<f64>),
 }
@@ -51,7 +52,8 @@ impl Practice {
         let (least, most) = table.widths_mm();
         let volume = practice_volume(plan, table).ok_or(NoPractice::Width(least, most))?;
         let scenes = practice_scenes(plan, &volume).ok_or(NoPractice::Volume)?;
-        Ok(Self { volume, scenes, strains: [State::Waiting; 3], jobs: Vec::new() })
+        let strains = [State::Waiting; 3];
+        Ok(Self { volume, scenes, strains, asked: 0, jobs: OneByOne::new() })
     }
 
     /// Practice's volume with its parts.
@@ -74,7 +76,7 @@ impl Practice {
         let strain = |k: usize| match self.strains[k] {
             State::Done(Some(strain)) => Ok(strain),
             State::Done(None) => Err(Some(NoPractice::Volume)),
-            State::Waiting | State::Running => Err(None),
+            State::Waiting => Err(None),
         };
         if self.strains.contains(&State::Done(None)) {
             return Err(Some(NoPractice::Volume));
@@ -155,31 +157,20 @@ fn measured(plan: &Scene) -> Measurements {
 
 impl Study for Practice {
     fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
-        while let Some(k) = self.strains.iter().position(|state| *state == State::Waiting) {
-            let scene = &self.scenes[k];
-            let key = store.key(scene);
-            if let Some(case) = store.reuse(&key, false) {
-                self.strains[k] = State::Done(strain(case));
-                continue;
+        while let Some(scene) = self.scenes.get(self.asked) {
+            let k = self.asked;
+            self.asked += 1;
+            match self.jobs.ask(k, scene.clone(), store) {
+                Ok(case) => self.strains[k] = State::Done(strain(&case)),
+                Err(job) => return Some(job),
             }
-            self.strains[k] = State::Running;
-            self.jobs.push(k);
-            let job = Job { scenes: vec![scene.clone()], ..Job::default() };
-            return Some((self.jobs.len() - 1, job));
         }
         None
     }
 
     fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
-        let Some(&k) = self.jobs.get(job) else { return };
-        if self.strains[k] != State::Running {
-            return;
-        }
-        let case = cases.into_iter().next().filter(|case| case.status.is_some());
-        self.strains[k] = State::Done(case.as_ref().and_then(strain));
-        if let Some(case) = case {
-            let key = store.key(&self.scenes[k]);
-            store.insert(key, case);
+        if let Some((k, case)) = self.jobs.receive(job, cases, store) {
+            self.strains[k] = State::Done(case.as_ref().and_then(strain));
         }
     }
 

@@ -2,12 +2,11 @@
 //! practice, practice's volume is first solved in the tissue of that patient.
 
 use super::bands::{Bands, BandsError, BandsSettings};
-use super::cache::Key;
 use super::first_usual::is_usual;
+use super::one_by_one::OneByOne;
 use super::{Case, Cases, Job, MapSettings, Parameter, Quantity, Study, with_values};
 use crate::measure::bands::PracticeStretch;
 use crate::scene::Scene;
-use std::collections::BTreeMap;
 
 /// Number of sampled patients.
 pub const PATIENTS: usize = 32;
@@ -23,9 +22,8 @@ pub struct UsualRange {
     ends: (f64, f64),
     steps: usize,
     patients: Vec<Patient>,
-    /// Patient, solved plan and key of the running jobs.
-    running: BTreeMap<usize, (usize, Solved, Key)>,
-    jobs: usize,
+    /// The running jobs, by patient and plan.
+    jobs: OneByOne<(usize, Solved)>,
 }
 
 /// The plan of a job.
@@ -109,7 +107,7 @@ impl UsualRange {
             }
         };
         let patients = (0..PATIENTS).map(patient).collect();
-        Ok(Self { ends, steps, patients, running: BTreeMap::new(), jobs: 0 })
+        Ok(Self { ends, steps, patients, jobs: OneByOne::new() })
     }
 
     /// Volume of a step \[ml\].
@@ -197,29 +195,24 @@ impl Study for UsualRange {
     fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
         for patient in 0..self.patients.len() {
             while let Some((solved, scene)) = self.next_scene(patient) {
-                let key = store.key(&scene);
-                if let Some(case) = store.reuse(&key, false) {
-                    self.patients[patient].take(solved, case);
-                    continue;
+                match self.jobs.ask((patient, solved), scene, store) {
+                    Ok(case) => self.patients[patient].take(solved, &case),
+                    Err(job) => {
+                        self.patients[patient].is_running = true;
+                        return Some(job);
+                    }
                 }
-                self.patients[patient].is_running = true;
-                self.running.insert(self.jobs, (patient, solved, key));
-                self.jobs += 1;
-                return Some((self.jobs - 1, Job { scenes: vec![scene], ..Job::default() }));
             }
         }
         None
     }
 
     fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
-        let Some((patient, solved, key)) = self.running.remove(&job) else { return };
+        let Some(((patient, solved), case)) = self.jobs.receive(job, cases, store) else { return };
         let patient = &mut self.patients[patient];
         patient.is_running = false;
-        match cases.into_iter().next().filter(|case| case.status.is_some()) {
-            Some(case) => {
-                patient.take(solved, &case);
-                store.insert(key, case);
-            }
+        match case {
+            Some(case) => patient.take(solved, &case),
             None => patient.scene = None,
         }
     }
