@@ -135,7 +135,8 @@ impl Scene {
     }
 
     /// Thickness of all layers, where the solids have their own \[mm\].
-    pub(super) fn tissue_mm(&self) -> f64 {
+    #[must_use]
+    pub fn tissue_mm(&self) -> f64 {
         self.layers.iter().map(|layer| layer.thickness_mm).sum()
     }
 

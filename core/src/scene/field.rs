@@ -227,14 +227,15 @@ impl Field {
         self.row().path.replacen("[]", &format!("[{layer}]"), 1)
     }
 
-    /// The number of a path in a file of scenes, also in the scene of a pin.
-    pub(super) fn of_path(path: &str) -> Option<Self> {
-        let path = path.rsplit_once(".scene.").map_or(path, |(_, path)| path);
-        let row = match path.strip_prefix("layers[").and_then(|rest| rest.split_once(']')) {
-            Some((_, rest)) => format!("layers[]{rest}"),
-            None => path.to_owned(),
+    /// The number of a path, and its layer, from the skin from 0.
+    pub(crate) fn of_path(path: &str) -> Option<(Self, usize)> {
+        let layer = path.strip_prefix("layers[").and_then(|rest| rest.split_once(']'));
+        let (row, layer) = match layer {
+            Some((index, rest)) => (format!("layers[]{rest}"), index.parse().ok()?),
+            None => (path.to_owned(), 0),
         };
-        Self::ALL.iter().copied().find(|field| field.path == row)
+        let field = Self::ALL.iter().copied().find(|field| field.path == row)?;
+        Some((field, layer))
     }
 
     /// Limits in words.

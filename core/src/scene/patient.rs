@@ -220,6 +220,12 @@ impl Scene {
         Ok(())
     }
 
+    /// The measurements of the patient; none without a patient.
+    #[must_use]
+    pub fn measured(&self) -> Measurements {
+        self.patient.as_ref().map(|patient| patient.measured).unwrap_or_default()
+    }
+
     /// The values of the scene that the patient's measurements determine, derived or set by hand.
     ///
     /// A value counts as derived if [`Patient::derived`] lists its path and the value is the derived one.

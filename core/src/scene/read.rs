@@ -225,7 +225,10 @@ fn gap(path: &str, text: &str, error: &serde_json::Error) -> Option<SceneError> 
         (no_value(text, error.line(), error.column())?, "a number or a text".to_owned())
     };
     let optional = allowed.find(OPTIONAL).map_or("", |at| &allowed[at..]);
-    let limits = Field::of_path(path).map(|field| field.allowed(field.limits) + optional);
+    // Also in the scene of a pin.
+    let in_scene = path.rsplit_once(".scene.").map_or(path, |(_, path)| path);
+    let field = Field::of_path(in_scene);
+    let limits = field.map(|(field, _)| field.allowed(field.limits) + optional);
     let path = one_line(path, 30);
     Some(out_of_range(&path, value.to_owned(), &limits.unwrap_or_else(|| in_words(&allowed))))
 }

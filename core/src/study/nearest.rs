@@ -245,7 +245,7 @@ impl Bracket {
 
 /// The least narrowing of a base within the measured width of the breast: that of the widest without a measurement.
 fn least_narrowing(plan: &Scene) -> u32 {
-    let measured = plan.patient.as_ref().and_then(|patient| patient.measured.base_width_mm);
+    let measured = plan.measured().base_width_mm;
     let fits = |narrowing: &u32| measured.is_none_or(|most| width_mm(plan, *narrowing) <= most);
     (1..=WIDTHS).find(fits).unwrap_or(WIDTHS + 1)
 }

@@ -111,21 +111,20 @@ pub fn volume_and_width(scene: &Scene) -> [String; 2] {
 /// The implant of a scene by its maker's name, as "RD-275 · 275 cc"; without one by its volume, as "300 ml".
 #[must_use]
 pub fn implant_in_words(scene: &Scene) -> String {
-    if scene.implant_reference.is_empty() {
-        let [volume, _] = volume_and_width(scene);
-        format!("{volume} ml")
-    } else {
-        scene.implant_reference.clone()
-    }
+    reference_or(scene, |scene| format!("{} ml", volume_and_width(scene)[0]))
 }
 
 /// The implant of a scene by its maker's name; without one in a few words, as [`size_in_words`].
 #[must_use]
 pub fn name_in_words(scene: &Scene) -> String {
-    if scene.implant_reference.is_empty() {
-        size_in_words(scene)
-    } else {
-        scene.implant_reference.clone()
+    reference_or(scene, size_in_words)
+}
+
+/// The maker's name of the implant; without one other words.
+fn reference_or(scene: &Scene, words: fn(&Scene) -> String) -> String {
+    match scene.implant_reference.as_str() {
+        "" => words(scene),
+        name => name.to_owned(),
     }
 }
 

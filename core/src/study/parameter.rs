@@ -78,13 +78,9 @@ impl Parameter {
 
     /// The number of a path, of a layer's number with the index of the layer.
     fn of_path(path: &str) -> Option<Self> {
-        let layer = path.strip_prefix("layers[").and_then(|rest| rest.split_once("]."));
-        let (path, layer) = match layer {
-            Some((index, rest)) => (format!("layers[].{rest}"), index.parse().ok()?),
-            None => (path.to_owned(), 0),
-        };
-        let field = varied().find(|field| field.path == path)?;
-        (usize::from(layer) < limits::LAYERS.1).then_some(Self::Number(field, layer))
+        let (field, layer) = Field::of_path(path)?;
+        let is_varied = !FIXED.contains(&field) && layer < limits::LAYERS.1;
+        is_varied.then_some(Self::Number(field, layer as u8))
     }
 
     /// The shortest name.
@@ -131,7 +127,7 @@ impl Parameter {
             Self::BaseWidth => 2.0 * scene.implant.base_radius_mm,
             Self::Volume => scene.implant.size().ok()?.volume_ml(),
             Self::PocketMargin => margin(scene),
-            Self::Thickness => scene.layers.iter().map(|layer| layer.thickness_mm).sum(),
+            Self::Thickness => scene.tissue_mm(),
             Self::PoissonRatio => {
                 let first = scene.layers.first()?.poisson_ratio;
                 let is_first = |other: f64| other.to_bits() == first.to_bits();

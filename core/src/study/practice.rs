@@ -3,7 +3,7 @@
 
 use super::one_by_one::OneByOne;
 use super::{Case, Cases, Job, Quantity, Study};
-use crate::clinical::{Measurements, PracticeTable, PracticeVolume, STEP_ML, Size};
+use crate::clinical::{PracticeTable, PracticeVolume, STEP_ML, Size};
 use crate::measure::bands::PracticeStretch;
 use crate::scene::{Implant, Scene};
 use crate::springs::Springs;
@@ -112,13 +112,13 @@ fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> 
 /// The volume that a table takes for a plan, with its parts; `None` for a width outside of the table.
 #[must_use]
 pub fn practice_volume(plan: &Scene, table: &PracticeTable) -> Option<PracticeVolume> {
-    table.volume(breast_width_mm(plan), &measured(plan))
+    table.volume(breast_width_mm(plan), &plan.measured())
 }
 
 /// Base width of the breast of a plan \[mm\]: as measured, else that of the implant.
 #[must_use]
 pub fn breast_width_mm(plan: &Scene) -> f64 {
-    measured(plan).base_width_mm.unwrap_or(2.0 * plan.implant.base_radius_mm)
+    plan.measured().base_width_mm.unwrap_or(2.0 * plan.implant.base_radius_mm)
 }
 
 /// Is the implant of a plan one of practice's but for width and volume: a round half-ellipsoid in the middle?
@@ -148,11 +148,6 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
         (breast_width_mm(scene).to_bits(), subject)
     };
     subject(a) == subject(b)
-}
-
-/// The measurements of a plan's patient.
-fn measured(plan: &Scene) -> Measurements {
-    plan.patient.as_ref().map(|patient| patient.measured).unwrap_or_default()
 }
 
 impl Study for Practice {
@@ -188,7 +183,7 @@ fn strain(case: &Case) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clinical::SkinClass;
+    use crate::clinical::{Measurements, SkinClass};
     use crate::scene::TissueModel;
     use crate::study::{MapSettings, Parameter, evaluate, with_values};
 
@@ -246,7 +241,7 @@ mod tests {
     fn the_class_of_the_skin_corrects_the_volume_and_the_width_has_its_table() {
         let table = PracticeTable::default();
         let mut plan = Scene::opening();
-        let measured = Measurements { skin_class: Some(SkinClass::Lax), ..measured(&plan) };
+        let measured = Measurements { skin_class: Some(SkinClass::Lax), ..plan.measured() };
         plan.apply_patient(measured).unwrap();
         let practice = Practice::new(&plan, &table).unwrap();
         assert!((practice.volume().volume_ml() - 330.0).abs() < 1e-9);
@@ -260,7 +255,7 @@ mod tests {
     #[test]
     fn the_measured_base_of_the_breast_has_one_practice_for_every_width_of_the_implant() {
         let mut plan = Scene::opening();
-        let measured = Measurements { base_width_mm: Some(130.0), ..measured(&plan) };
+        let measured = Measurements { base_width_mm: Some(130.0), ..plan.measured() };
         plan.apply_patient(measured).unwrap();
         let wide = with_values(&plan, &[(Parameter::BaseWidth, 130.0)]).unwrap();
         let narrow = with_values(&plan, &[(Parameter::BaseWidth, 110.0)]).unwrap();

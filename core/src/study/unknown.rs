@@ -188,8 +188,9 @@ fn is_other_fat(layer: &Layer) -> bool {
 /// Is the strain scale of the skin measured, or set by hand?
 #[allow(clippy::float_cmp, reason = "the default exactly")]
 fn has_own_scale(scene: &Scene) -> bool {
-    let measured = scene.patient.as_ref().map(|patient| patient.measured);
-    measured.is_some_and(|m| m.skin_pull_mm.is_some() || m.skin_class.is_some())
+    let measured = scene.measured();
+    measured.skin_pull_mm.is_some()
+        || measured.skin_class.is_some()
         || scene.layers.first().is_some_and(|skin| skin.curve.strain_scale != 1.0)
 }
 

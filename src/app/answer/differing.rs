@@ -62,7 +62,7 @@ fn reference(scene: &Scene) -> String {
 }
 
 fn skin(scene: &Scene) -> String {
-    let measured = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+    let measured = scene.measured();
     let scale = scene.layers.first().map_or(1.0, |skin| skin.curve.strain_scale);
     match (measured.skin_class, measured.skin_pull_mm) {
         (Some(class), _) if (scale - class.strain_scale()).abs() < 1e-6 => {
@@ -75,8 +75,7 @@ fn skin(scene: &Scene) -> String {
 }
 
 fn thickness(scene: &Scene) -> String {
-    let sum: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
-    fixed(sum, 1)
+    fixed(scene.tissue_mm(), 1)
 }
 
 fn of_skin(scene: &Scene) -> String {

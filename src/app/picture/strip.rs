@@ -159,7 +159,7 @@ impl Place {
     ) -> Self {
         let (problem, scene) = (subject.problem(), subject.scene());
         let radius = problem.sheet().radius_mm() as f32;
-        let cover: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+        let cover = scene.tissue_mm();
         let highest = cover + scene.implant.projection_mm.max(highest_sold_mm(&scene.implant));
         let pins = pins.iter().flat_map(|pin| &pin.points).map(|point| point[1]);
         let highest = pins.fold(highest, f64::max) as f32;

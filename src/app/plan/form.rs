@@ -136,7 +136,7 @@ fn skin(scene: &Scene) -> Field {
         name: SKIN,
         label: tr("Skin feels"),
         unit: "",
-        text: patient::measured(scene).skin_class.map_or("", SkinClass::word).to_owned(),
+        text: scene.measured().skin_class.map_or("", SkinClass::word).to_owned(),
         hint: tr("Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
                very lax more than 4 cm.")
             .to_owned(),
@@ -180,7 +180,7 @@ pub(crate) fn set(
         let class = SkinClass::ALL.into_iter().find(|class| class.word() == text.trim());
         let class =
             class.ok_or_else(|| tr!("Skin feels: allowed: {words}", words = allowed.join(", ")))?;
-        let mut measured = patient::measured(scene);
+        let mut measured = scene.measured();
         (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
         patient::measure(scene, measured);
         return Ok(());
@@ -234,7 +234,7 @@ impl Number {
             Self::Height => return shape::height(scene, choices),
             Self::Plain(number) => return plain::control(scene, number, choices.device),
             Self::Apex => return shape::apex(scene),
-            Self::Pinch => patient::pinch_control(scene, &patient::measured(scene)),
+            Self::Pinch => patient::pinch_control(scene, &scene.measured()),
             Self::Chest(axis) => return chest::radius(scene, axis),
             Self::Margin => pocket::margin(scene),
             Self::Offset(axis) => position::offset(scene, axis),
@@ -257,7 +257,7 @@ impl Number {
             Self::Plain(number) => plain::set(scene, number, value),
             Self::Apex => shape::set_apex(scene, value),
             Self::Pinch => {
-                let mut measured = patient::measured(scene);
+                let mut measured = scene.measured();
                 measured.pinch_mm = Some(mm(value));
                 patient::measure(scene, measured);
             }

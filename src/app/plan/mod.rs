@@ -62,20 +62,11 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let layer = |layer: &Layer| {
         format!("{} {} mm", texts::tissue(&layer.tissue), fixed(layer.thickness_mm, 1))
     };
-    let measured = scene.patient.as_ref().map(|patient| patient.measured);
-    let pinch = measured.and_then(|m| m.pinch_mm).map(|pinch| (tr("Pinch"), centimetres(pinch)));
-    let class =
-        measured.and_then(|m| m.skin_class).map(|class| (tr("Skin"), tr(class.word()).to_owned()));
-    let pull = measured
-        .and_then(|m| m.skin_pull_mm)
-        .map(|pull| (tr("Pull of the skin"), centimetres(pull)));
-    let base =
-        measured.and_then(|m| m.base_width_mm).map(|base| (tr("Breast base"), centimetres(base)));
-    let fold = measured
-        .and_then(|m| m.fold_stretched_mm)
-        .map(|fold| (tr("Nipple–fold, stretched"), centimetres(fold)));
+    let measured = scene.measured();
+    let length = |name, mm: Option<f64>| mm.map(|mm| (name, centimetres(mm)));
+    let class = measured.skin_class.map(|class| (tr("Skin"), tr(class.word()).to_owned()));
     let fill = measured
-        .and_then(|m| m.envelope_fill)
+        .envelope_fill
         .map(|fill| (tr("Skin filled by the breast"), practice::name_of(fill).to_owned()));
     let [x, y] = implant.center_mm;
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
@@ -89,11 +80,11 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),
     ];
     let after_size = [
-        pinch,
+        length(tr("Pinch"), measured.pinch_mm),
         class,
-        pull,
-        base,
-        fold,
+        length(tr("Pull of the skin"), measured.skin_pull_mm),
+        length(tr("Breast base"), measured.base_width_mm),
+        length(tr("Nipple–fold, stretched"), measured.fold_stretched_mm),
         fill,
         Some((tr("Tissue"), layers.join(", "))),
         scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),

@@ -21,7 +21,7 @@ pub(crate) fn patient(
     hand: Hand,
 ) -> Option<Id> {
     title(ui, tr("Patient"), |ui| visit::switch(ui, hand));
-    let before = measured(scene);
+    let before = scene.measured();
     let mut now = before;
     base(ui, scene, practices, &mut now, hand);
     pinch(ui, scene, &mut now, hand);
@@ -33,11 +33,6 @@ pub(crate) fn patient(
     chest::chest(ui, scene);
     chest::radii(ui, scene, hand);
     visit::visit(ui, scene, hand)
-}
-
-/// The measurements of the scene's patient.
-pub(super) fn measured(scene: &Scene) -> Measurements {
-    scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default()
 }
 
 /// Derives the values of the scene from the measurements.
@@ -98,7 +93,7 @@ fn pinch(ui: &mut Ui, scene: &Scene, measured: &mut Measurements, hand: Hand) {
 /// The control of the pinch, and the pinch \[cm\].
 pub(super) fn pinch_control(scene: &Scene, measured: &Measurements) -> (Control<'static>, f64) {
     // Without a measurement: the pinch of the layers.
-    let layers: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+    let layers = scene.tissue_mm();
     let (least, most) = limits::PINCH_MM;
     let pinch = cm(measured.pinch_mm.unwrap_or((2.0 * layers).clamp(least, most)));
     let control = Control { reset: 2.0, ..Control::of(Field::Pinch).with_rail(0.5..=6.0) };
@@ -116,8 +111,8 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
             format!("{name} {}", thickness(layer.thickness_mm))
         })
         .collect();
-    let whole = scene.layers.iter().map(|layer| layer.thickness_mm).sum::<f64>();
-    let pinch = scene.patient.as_ref().and_then(|patient| patient.measured.pinch_mm);
+    let whole = scene.tissue_mm();
+    let pinch = scene.measured().pinch_mm;
     let derived = pinch.and_then(|pinch| cover(pinch).ok());
     let (range, source) = derived.map_or_else(Default::default, |derived| {
         // 95 % of the people of this pinch.

@@ -22,7 +22,7 @@ pub(crate) fn practice(ui: &mut Ui, scene: &mut Scene, practices: &Practices, ha
     egui::CollapsingHeader::new(takes).id_salt("practice").show_unindented(ui, |ui| {
         remark(ui, tr("The stretch of the skin is compared with that of a round implant of this volume, by the same model in the same tissue."));
         remark(ui, rule_in_short(practices, scene).trim_end());
-        let before = patient::measured(scene);
+        let before = scene.measured();
         let mut now = before;
         remark(ui, tr("The present breast fills the stretched skin"));
         chips(ui, |ui| {

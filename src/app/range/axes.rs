@@ -123,7 +123,7 @@ fn around(middle: f64, (least, most): (f64, f64)) -> (f64, f64) {
 /// The range of an axis until another one is typed: sizes around an implant, the usual values of other numbers, and the
 /// present value.
 pub(super) fn usual(field: Parameter, scene: &Scene, of: Implant) -> (f64, f64) {
-    let thickness: f64 = scene.layers.iter().map(|layer| layer.thickness_mm).sum();
+    let thickness = scene.tissue_mm();
     let skin = scene.layers.first().map_or(0.0, |skin| skin.thickness_mm);
     let (least, most) = match field {
         Parameter::BaseWidth => around(2.0 * of.base_radius_mm, allowed(field)),

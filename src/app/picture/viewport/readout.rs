@@ -163,7 +163,7 @@ mod tests {
         let nodes = [(apex, 1.0), (apex, 0.0), (apex, 0.0)];
         let lines = values(&nodes, &fields, session.scene(), true);
         let cover = outcome.cover_mm.expect("layered tissue has a cover").apex;
-        let rest: f64 = session.scene().layers.iter().map(|layer| layer.thickness_mm).sum();
+        let rest = session.scene().tissue_mm();
         assert!(lines.contains(&format!("Cover {cover:.1} mm (at rest {rest:.1})")), "{lines:?}");
         for layer in &session.scene().layers {
             let rest = format!("(at rest {:.1}), ", layer.thickness_mm);

@@ -9,7 +9,6 @@ mod width;
 
 pub(crate) use headline::headline;
 
-use super::patient::measured;
 use super::volume_band::VolumeBand;
 use super::volumes::volumes;
 use crate::app::answer::practice::{Against, Practices};
@@ -180,7 +179,7 @@ impl VolumeMarks {
         let is_expander = self.own.is_of_expander();
         let words = match (practice, largest) {
             (Some(ml), largest) => {
-                let takes = match measured(curve.base()).base_width_mm.is_some() {
+                let takes = match curve.base().measured().base_width_mm.is_some() {
                     true => tr!(
                         "{width} cm: practice takes {ml:.0} ± {step:.0} ml for the measured base of {base} cm; ",
                         width,
@@ -403,7 +402,7 @@ mod tests {
         // An implant of another shape than practice's round one, on a breast whose base is measured.
         let mut plan = Scene::opening();
         plan.implant.apex_shift_mm = 5.0;
-        let measured = plan.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+        let measured = plan.measured();
         plan.apply_patient(Measurements { base_width_mm: Some(130.0), ..measured }).unwrap();
         let practices = Practices::of_known(plan.clone(), Ok(practice));
         let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(310.0));
