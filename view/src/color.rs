@@ -6,6 +6,12 @@ use implant_preview_core::measure::bands::{self, SkinLimits};
 /// A colour as sRGB, 0 to 1 each.
 pub type Rgb = [f32; 3];
 
+/// A colour as bytes.
+#[must_use]
+pub fn bytes(color: Rgb) -> [u8; 3] {
+    color.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8)
+}
+
 /// Colours in a look-up table.
 pub const TABLE_SIZE: usize = 256;
 

@@ -9,7 +9,6 @@ use crate::app::texts::tr;
 use crate::app::widgets::kept_lines;
 use crate::app::widgets::theme::{self, SPACE};
 use crate::measure::bands;
-use crate::view::color;
 use eframe::egui::{
     self, Align2, Color32, Rangef, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
     pos2, vec2,
@@ -123,7 +122,7 @@ fn draw(ui: &mut Ui, of: &Bar) {
     let mut from = 0.0;
     for (to, color) in &of.parts {
         let part = Rect::from_x_y_ranges(at(from)..=at(*to), bar.y_range());
-        painter.rect_filled(part, 0.0, rgb(*color));
+        painter.rect_filled(part, 0.0, theme::color32(*color));
         from = *to;
     }
     let line = if of.has_bands { ui.visuals().panel_fill } else { quiet };
@@ -153,11 +152,6 @@ fn draw(ui: &mut Ui, of: &Bar) {
         let line = Stroke::new(1.0, ui.visuals().panel_fill);
         painter.add(Shape::convex_polygon(mark, palette.text, line));
     }
-}
-
-fn rgb(color: color::Rgb) -> Color32 {
-    let [r, g, b] = color.map(|v| (255.0 * v.clamp(0.0, 1.0)).round() as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 /// Colour of the words of a band, counted from the lowest.

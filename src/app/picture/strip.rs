@@ -102,7 +102,7 @@ fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Opt
     if !section.skin().is_empty() {
         let tissue = |layer: usize| {
             let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
-            (texts::tissue(name).to_owned(), color32(color::tissue(name, layer)))
+            (texts::tissue(name).to_owned(), theme::color32(color::tissue(name, layer)))
         };
         paint_implant(ui, &painter, &place, subject);
         paint_tissue(ui, &painter, &place, &section, &|layer| tissue(layer).1);
@@ -221,11 +221,6 @@ fn hit(
         SectionPlane::Along => Vec3::new(column.x, point.x, point.y),
     };
     Some(Hit { point, target })
-}
-
-fn color32(color: color::Rgb) -> Color32 {
-    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-    Color32::from_rgb(byte(color[0]), byte(color[1]), byte(color[2]))
 }
 
 fn paint_ground(ui: &Ui, painter: &Painter, area: Rect) {

@@ -4,6 +4,7 @@
 use super::plane::marks;
 use super::readout;
 use crate::app::texts::{fixed, tr, word_of};
+use crate::app::widgets::theme;
 use crate::clinical::STEP_ML;
 use crate::measure::bands::{Band, Limits, PracticeStretch};
 use crate::study::{JudgedMap, PointStatus, Quantity};
@@ -73,7 +74,7 @@ impl Scale {
     /// Colour of a displayed value.
     pub(super) fn displayed(&self, value: f64) -> Color32 {
         let (least, most) = self.ends;
-        rgb(match &self.limits {
+        theme::color32(match &self.limits {
             Some((limits, to_limits)) => {
                 in_band(limits, to_limits * self.most, (to_limits * value) as f32)
             }
@@ -159,11 +160,6 @@ fn end(limits: &Limits) -> f64 {
 /// A grey from light to dark for 0 to 1.
 fn grey(t: f32) -> Rgb {
     [0.85 - 0.4 * t.clamp(0.0, 1.0); 3]
-}
-
-fn rgb(color: Rgb) -> Color32 {
-    let [r, g, b] = color.map(|v| (255.0 * v.clamp(0.0, 1.0)).round() as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 /// The picture of a map of two axes, the first row at the top of the chart. Values between points are interpolated; cells

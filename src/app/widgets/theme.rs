@@ -1,5 +1,6 @@
 //! Colours, sizes and fonts of the app; other files contain no such literals.
 
+use crate::view::color::{Rgb, bytes};
 use eframe::egui::{
     Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Stroke,
     Style, TextStyle, Theme, Vec2, Visuals, vec2,
@@ -88,6 +89,12 @@ const DARK: Palette = Palette {
 /// The palette of the present theme.
 pub(crate) fn palette(visuals: &Visuals) -> &'static Palette {
     if visuals.dark_mode { &DARK } else { &LIGHT }
+}
+
+/// A colour for a painter.
+pub(crate) fn color32(color: Rgb) -> Color32 {
+    let [r, g, b] = bytes(color);
+    Color32::from_rgb(r, g, b)
 }
 
 /// Sets fonts, spacing and colours of both themes.

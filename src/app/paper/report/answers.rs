@@ -2,7 +2,7 @@
 
 use super::html::{escaped, put};
 use crate::app::answer::Bar;
-use crate::view::color::Rgb;
+use crate::view::color::{Rgb, bytes};
 use std::fmt::Write as _;
 
 /// Size of a bar \[units of the drawing\], and height of its numbers.
@@ -89,8 +89,7 @@ fn draw(page: &mut String, bar: &Bar) {
 }
 
 fn hex(colour: Rgb) -> String {
-    let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
-    let [r, g, b] = colour.map(byte);
+    let [r, g, b] = bytes(colour);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

@@ -3,8 +3,8 @@
 use super::Outline;
 use super::directions::Edge;
 use crate::app::texts::{self, tr};
-use crate::app::widgets::theme::SPACE;
-use crate::view::color::{Rgb, Scale};
+use crate::app::widgets::theme::{self, SPACE};
+use crate::view::color::Scale;
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, pos2, vec2,
@@ -12,11 +12,6 @@ use eframe::egui::{
 
 const BAR_WIDTH: f32 = 12.0;
 const MARGIN: f32 = 16.0;
-
-fn color32(c: Rgb) -> Color32 {
-    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-    Color32::from_rgb(byte(c[0]), byte(c[1]), byte(c[2]))
-}
 
 fn font(ui: &Ui) -> FontId {
     TextStyle::Small.resolve(ui.style())
@@ -67,7 +62,7 @@ fn colours(painter: &Painter, bar: Rect, scale: &Scale, is_upright: bool) {
             let at = |t: f32| bar.left() + bar.width() * t;
             Rect::from_min_max(pos2(at(a), bar.top()), pos2(at(b), bar.bottom()))
         };
-        mesh.add_colored_rect(band, color32(c));
+        mesh.add_colored_rect(band, theme::color32(c));
     }
     painter.add(Shape::mesh(mesh));
 }

@@ -3,7 +3,7 @@
 //! Uploads changes only: a mesh, its indices or a table with the same `Arc` as before is not uploaded
 //! again.
 
-use crate::view::color::Rgb;
+use crate::view::color::{Rgb, bytes};
 use crate::view::mesh::{Mesh, Vertex};
 use eframe::glow::{self, HasContext as _};
 use glam::{Mat4, Vec2, Vec3};
@@ -237,9 +237,8 @@ impl Renderer {
         if self.uploaded_table.as_ref().is_some_and(|uploaded| Arc::ptr_eq(uploaded, table)) {
             return;
         }
-        let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0).round() as u8;
-        let texels: Vec<u8> =
-            table.iter().flat_map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
+        let texel = |[r, g, b]: [u8; 3]| [r, g, b, 255];
+        let texels: Vec<u8> = table.iter().flat_map(|color| texel(bytes(*color))).collect();
         // SAFETY: the texture belongs to this context; the slice contains width × 4 bytes.
         unsafe {
             gl.active_texture(glow::TEXTURE0);
