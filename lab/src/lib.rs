@@ -17,3 +17,15 @@ pub mod stability;
 pub mod tension;
 pub mod verification;
 pub mod work_precision;
+
+use implant_preview_core::measure::{Selection, Status};
+use implant_preview_core::scene::{CheckedScene, Scene, SceneError};
+use implant_preview_core::simulate::{Simulation, Simulator};
+use implant_preview_core::solve::Options;
+
+/// Solves a scene; `None` without convergence.
+fn solved(simulator: &mut Simulator, scene: Scene) -> Result<Option<Simulation>, SceneError> {
+    let checked = CheckedScene::new(scene)?;
+    let found = simulator.run(&checked, Options::default(), &Selection::all(), None);
+    Ok((found.outcome.status == Status::Converged).then_some(found))
+}

@@ -4,16 +4,17 @@
 
 use super::fat::{self, ADIPOSE, name};
 use super::table::{Comparison, Mark, PlotAxis, Row, Series};
+use crate::solved;
 use implant_preview_core::clinical::{Expander, Size};
 use implant_preview_core::curve::{CurveSpec, Fat};
+use implant_preview_core::measure::Outcome;
 use implant_preview_core::measure::bands::FILLING_PRESSURE_MMHG;
-use implant_preview_core::measure::{Outcome, Selection, Status};
 use implant_preview_core::mesh::NodeKind;
 use implant_preview_core::scene::{
-    Body, CheckedScene, ChestShape, Implant, Layer, Scene, SceneError, TissueModel,
+    Body, ChestShape, Implant, Layer, Scene, SceneError, TissueModel,
 };
-use implant_preview_core::simulate::{Simulation, Simulator};
-use implant_preview_core::solve::{Options, Solution, Tissue};
+use implant_preview_core::simulate::Simulator;
+use implant_preview_core::solve::{Solution, Tissue};
 
 /// Tolerance of the solutions \[base radius\].
 const TOLERANCE: f64 = 1e-3;
@@ -40,13 +41,6 @@ const PIG_SHAPE: f64 = 0.15;
 pub const SHEET: &str = "sheet";
 /// Layered tissue with the curve `fat`.
 pub const LAYERED_MID: &str = "layered fat mid";
-
-/// Solves a scene; `None` without convergence.
-fn solved(simulator: &mut Simulator, scene: Scene) -> Result<Option<Simulation>, SceneError> {
-    let checked = CheckedScene::new(scene)?;
-    let found = simulator.run(&checked, Options::default(), &Selection::all(), None);
-    Ok((found.outcome.status == Status::Converged).then_some(found))
-}
 
 /// Layers of solid fat with their names: the curves `fat` and the paper's adipose.
 fn fats(thickness_mm: f64) -> Vec<(&'static str, Layer)> {

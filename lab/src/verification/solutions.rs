@@ -5,16 +5,15 @@
 use super::check::{Bound, Check};
 use crate::accuracy;
 use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution, Wall};
+use crate::solved;
 use crate::work_precision::Case;
 use implant_preview_core::contact::HALF_ELLIPSOID;
 use implant_preview_core::curve::CurveSpec;
-use implant_preview_core::measure::{Selection, Status};
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, CheckedScene, ChestShape, Implant, Layer, Scene,
-    SceneError, TissueModel,
+    AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, Scene, SceneError,
+    TissueModel,
 };
 use implant_preview_core::simulate::{Simulation, Simulator};
-use implant_preview_core::solve::Options;
 
 /// Tolerance of the solutions \[base radius\].
 const TOLERANCE: f64 = 1e-4;
@@ -26,13 +25,6 @@ const GAUSS_5: [(f64, f64); 5] = [
     (0.769_234_655_052_842, 0.239_314_335_249_683),
     (0.953_089_922_969_332, 0.118_463_442_528_095),
 ];
-
-/// Solves a scene; `None` without convergence.
-fn solved(simulator: &mut Simulator, scene: Scene) -> Result<Option<Simulation>, SceneError> {
-    let checked = CheckedScene::new(scene)?;
-    let found = simulator.run(&checked, Options::default(), &Selection::all(), None);
-    Ok((found.outcome.status == Status::Converged).then_some(found))
-}
 
 /// Work of the contact force while the dome rises against the energy stored at full insertion.
 pub(super) fn energy_balance() -> Result<Vec<Check>, SceneError> {
