@@ -59,7 +59,7 @@ fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
 fn the_largest_size_of_the_shelf_is_as_wide_as_the_measured_breast_at_most() {
     let mut harness = app(DESKTOP, |scene| {
         *scene = flat_plan();
-        let measured = scene.patient.as_ref().map(|patient| patient.measured).unwrap_or_default();
+        let measured = scene.measured();
         scene.apply_patient(Measurements { base_width_mm: Some(130.0), ..measured }).unwrap();
     });
     harness.state_mut().restore_shelf(SIZES);
