@@ -191,12 +191,6 @@ fn fields(paths: &[String]) -> Result<Vec<Number>, SceneError> {
 }
 
 impl Scene {
-    /// The measurements; none without a patient.
-    #[must_use]
-    pub fn measured(&self) -> Measurements {
-        self.patient.as_ref().map(|patient| patient.measured).unwrap_or_default()
-    }
-
     /// Sets the measurements of the patient and derives the values of the scene that they determine.
     ///
     /// Fields that the earlier measurements determined and that were set by hand keep their values. The values derived
