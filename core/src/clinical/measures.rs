@@ -155,26 +155,31 @@ impl SkinClass {
         })
     }
 
+    /// Word, strain scale of the skin preset \[-\], and pull \[mm\]: the middle of its range; half a centimetre beyond the outer limits.
+    fn row(self) -> (&'static str, f64, f64) {
+        match self {
+            Self::Tight => ("tight", 0.25, 15.0),
+            Self::Normal => ("normal", 0.5, 25.0),
+            Self::Lax => ("lax", 1.0, 35.0),
+            Self::VeryLax => ("very lax", 1.7, 45.0),
+        }
+    }
+
     /// The class in a word.
     #[must_use]
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Tight => "tight",
-            Self::Normal => "normal",
-            Self::Lax => "lax",
-            Self::VeryLax => "very lax",
-        }
+        self.row().0
     }
 
     /// Strain scale of the skin preset \[-\].
     #[must_use]
     pub fn strain_scale(self) -> f64 {
-        match self {
-            Self::Tight => 0.25,
-            Self::Normal => 0.5,
-            Self::Lax => 1.0,
-            Self::VeryLax => 1.7,
-        }
+        self.row().1
+    }
+
+    /// The middle of the pulls \[mm\].
+    pub(super) fn pull_mm(self) -> f64 {
+        self.row().2
     }
 }
 

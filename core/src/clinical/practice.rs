@@ -41,43 +41,33 @@ impl Corrected {
     /// All of them, in the order of the table.
     pub const ALL: [Self; 3] = [Self::Pull, Self::Fold, Self::Fill];
 
+    fn row(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Pull => ("pull", "pull of the skin"),
+            Self::Fold => ("fold", "nipple–fold distance under stretch"),
+            Self::Fill => ("fill", "envelope filled by the breast"),
+        }
+    }
+
     /// Name in a table.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Pull => "pull",
-            Self::Fold => "fold",
-            Self::Fill => "fill",
-        }
+        self.row().0
     }
 
     /// The measurement in words.
     #[must_use]
     pub fn words(self) -> &'static str {
-        match self {
-            Self::Pull => "pull of the skin",
-            Self::Fold => "nipple–fold distance under stretch",
-            Self::Fill => "envelope filled by the breast",
-        }
+        self.row().1
     }
 
     /// The measured value, if there is one. A class is the middle of its pulls.
     fn value(self, measured: &Measurements) -> Option<f64> {
         match self {
-            Self::Pull => measured.skin_pull_mm.or(measured.skin_class.map(pull_of_class)),
+            Self::Pull => measured.skin_pull_mm.or(measured.skin_class.map(SkinClass::pull_mm)),
             Self::Fold => measured.fold_stretched_mm,
             Self::Fill => measured.envelope_fill.map(EnvelopeFill::percent),
         }
-    }
-}
-
-/// Pull of a class of the skin \[mm\]: the middle of its range; half a centimetre beyond the outer limits.
-fn pull_of_class(class: SkinClass) -> f64 {
-    match class {
-        SkinClass::Tight => 15.0,
-        SkinClass::Normal => 25.0,
-        SkinClass::Lax => 35.0,
-        SkinClass::VeryLax => 45.0,
     }
 }
 
@@ -107,23 +97,24 @@ impl EnvelopeFill {
     /// All of them, from the least.
     pub const ALL: [Self; 3] = [Self::Little, Self::Usual, Self::Much];
 
+    /// Word and middle of the class \[%\].
+    fn row(self) -> (&'static str, f64) {
+        match self {
+            Self::Little => ("little", 10.0),
+            Self::Usual => ("usual", 50.0),
+            Self::Much => ("much", 90.0),
+        }
+    }
+
     /// The class in a word.
     #[must_use]
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Little => "little",
-            Self::Usual => "usual",
-            Self::Much => "much",
-        }
+        self.row().0
     }
 
     /// The middle of the class \[%\].
     fn percent(self) -> f64 {
-        match self {
-            Self::Little => 10.0,
-            Self::Usual => 50.0,
-            Self::Much => 90.0,
-        }
+        self.row().1
     }
 }
 

@@ -308,26 +308,26 @@ impl ProfileClass {
         }
     }
 
+    /// Words and a ratio in the middle of the class \[-\].
+    fn row(self) -> (&'static str, f64) {
+        match self {
+            Self::Low => ("low", 0.45),
+            Self::Moderate => ("moderate", 0.57),
+            Self::High => ("high", 0.78),
+            Self::HalfSphere => ("half sphere", 1.0),
+        }
+    }
+
     /// A ratio in the middle of the class \[-\], for a choice of the class.
     #[must_use]
     pub fn ratio(self) -> f64 {
-        match self {
-            Self::Low => 0.45,
-            Self::Moderate => 0.57,
-            Self::High => 0.78,
-            Self::HalfSphere => 1.0,
-        }
+        self.row().1
     }
 
     /// The class in words.
     #[must_use]
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Low => "low",
-            Self::Moderate => "moderate",
-            Self::High => "high",
-            Self::HalfSphere => "half sphere",
-        }
+        self.row().0
     }
 }
 

@@ -130,26 +130,17 @@ impl PatientFile {
     /// # Errors
     /// A measurement is invalid, a path in the list is unknown, or a derived value is out of its range.
     pub(super) fn fill(self, scene: &mut Scene, given: &[Given]) -> Result<(), SceneError> {
-        let Self {
-            base_width_mm,
-            pinch_mm,
-            skin_pull_mm,
-            skin_class,
-            fold_stretched_mm,
-            envelope_fill,
-            derived,
-        } = self;
         let measured = Measurements {
-            base_width_mm,
-            pinch_mm,
-            skin_pull_mm,
-            skin_class,
-            fold_stretched_mm,
-            envelope_fill,
+            base_width_mm: self.base_width_mm,
+            pinch_mm: self.pinch_mm,
+            skin_pull_mm: self.skin_pull_mm,
+            skin_class: self.skin_class,
+            fold_stretched_mm: self.fold_stretched_mm,
+            envelope_fill: self.envelope_fill,
         };
         measured.check().map_err(error)?;
         let mut paths = Vec::new();
-        if let Some(list) = derived {
+        if let Some(list) = self.derived {
             let listed = fields(&list.0)?;
             for number in
                 scene.patient_fields().into_iter().filter(|number| listed.contains(number))

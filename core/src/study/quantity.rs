@@ -14,11 +14,20 @@ struct Row {
     title: &'static str,
     /// The unit in files; empty for fractions.
     unit: &'static str,
+    of: Of,
     value: fn(&Outcome) -> Option<f64>,
 }
 
+/// Which tissue has a quantity.
+#[derive(PartialEq)]
+enum Of {
+    Any,
+    /// Layered tissue alone.
+    Layers,
+}
+
 macro_rules! quantities {
-    ($($(#[$about:meta])+ $quantity:ident: $name:literal, $words:literal, $title:literal, $unit:literal, $value:expr;)+) => {
+    ($($(#[$about:meta])+ $quantity:ident: $name:literal, $words:literal, $title:literal, $unit:literal, $of:ident, $value:expr;)+) => {
         /// A figure of a result. Names in files: snake case, with the unit at the end.
         #[derive(
             Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
@@ -35,46 +44,46 @@ macro_rules! quantities {
         }
 
         static ROWS: [Row; Quantity::COUNT] = [
-            $(Row { name: $name, words: $words, title: $title, unit: $unit, value: $value }),+
+            $(Row { name: $name, words: $words, title: $title, unit: $unit, of: Of::$of, value: $value }),+
         ];
     };
 }
 
 quantities! {
     /// Greatest principal strain of the skin \[-\].
-    GreatestStrain: "greatest_strain", "greatest stretch of the skin", "Skin stretch", "", |of| Some(of.strain.as_ref()?.max_principal);
+    GreatestStrain: "greatest_strain", "greatest stretch of the skin", "Skin stretch", "", Any, |of| Some(of.strain.as_ref()?.max_principal);
     /// Fraction of the skin over the pocket whose strain is above 0.25 \[-\].
-    AreaOver25: "area_over_25", "skin stretched by more than 25 %", "Skin stretched above 25 %", "", |of| strained(of, "0.25");
+    AreaOver25: "area_over_25", "skin stretched by more than 25 %", "Skin stretched above 25 %", "", Any, |of| strained(of, "0.25");
     /// Fraction of the skin over the pocket whose strain is above 0.50 \[-\].
-    AreaOver50: "area_over_50", "skin stretched by more than 50 %", "Skin stretched above 50 %", "", |of| strained(of, "0.50");
+    AreaOver50: "area_over_50", "skin stretched by more than 50 %", "Skin stretched above 50 %", "", Any, |of| strained(of, "0.50");
     /// Mean contact pressure \[mmHg\].
-    MeanPressureMmhg: "mean_pressure_mmhg", "mean contact pressure", "Pressure, mean", "mmHg", |of| Some(of.contact_pressure_mmhg?.mean);
+    MeanPressureMmhg: "mean_pressure_mmhg", "mean contact pressure", "Pressure, mean", "mmHg", Any, |of| Some(of.contact_pressure_mmhg?.mean);
     /// Greatest contact pressure \[mmHg\].
-    GreatestPressureMmhg: "greatest_pressure_mmhg", "greatest contact pressure", "Pressure, greatest", "mmHg", |of| Some(of.contact_pressure_mmhg?.max);
+    GreatestPressureMmhg: "greatest_pressure_mmhg", "greatest contact pressure", "Pressure, greatest", "mmHg", Any, |of| Some(of.contact_pressure_mmhg?.max);
     /// Mean contact pressure \[kPa\].
-    MeanPressureKpa: "mean_pressure_kpa", "mean contact pressure", "Pressure, mean", "kPa", |of| Some(of.contact_pressure_kpa?.mean);
+    MeanPressureKpa: "mean_pressure_kpa", "mean contact pressure", "Pressure, mean", "kPa", Any, |of| Some(of.contact_pressure_kpa?.mean);
     /// Greatest contact pressure \[kPa\].
-    GreatestPressureKpa: "greatest_pressure_kpa", "greatest contact pressure", "Pressure, greatest", "kPa", |of| Some(of.contact_pressure_kpa?.max);
+    GreatestPressureKpa: "greatest_pressure_kpa", "greatest contact pressure", "Pressure, greatest", "kPa", Any, |of| Some(of.contact_pressure_kpa?.max);
     /// Vertical force between implant and tissue \[N\].
-    ForceN: "force_n", "contact force", "Force, vertical", "N", |of| of.contact_force_n;
+    ForceN: "force_n", "contact force", "Force, vertical", "N", Any, |of| of.contact_force_n;
     /// Greatest principal stress of the skin \[kPa\].
-    SkinStressKpa: "skin_stress_kpa", "greatest stress of the skin", "Greatest stress, skin", "kPa", |of| of.layers.first()?.max_stress_kpa;
+    SkinStressKpa: "skin_stress_kpa", "greatest stress of the skin", "Greatest stress, skin", "kPa", Any, |of| of.layers.first()?.max_stress_kpa;
     /// Layered tissue: least thickness of the tissue over the implant \[mm\].
-    LeastCoverMm: "least_cover_mm", "least cover", "Least cover", "mm", |of| Some(of.cover_mm?.least);
+    LeastCoverMm: "least_cover_mm", "least cover", "Least cover", "mm", Layers, |of| Some(of.cover_mm?.least);
     /// Layered tissue: thickness of the tissue over the implant's highest point \[mm\].
-    ApexCoverMm: "apex_cover_mm", "cover at the apex", "Cover over the apex", "mm", |of| Some(of.cover_mm?.apex);
+    ApexCoverMm: "apex_cover_mm", "cover at the apex", "Cover over the apex", "mm", Layers, |of| Some(of.cover_mm?.apex);
     /// Height of the outer skin surface above the wall \[mm\].
-    SkinProjectionMm: "skin_projection_mm", "projection of the skin", "Height of the breast mound", "mm", |of| of.skin_projection_mm;
+    SkinProjectionMm: "skin_projection_mm", "projection of the skin", "Height of the breast mound", "mm", Any, |of| of.skin_projection_mm;
     /// Area gained by the skin over the pocket, relative to its area at rest \[-\].
-    SkinAreaGain: "skin_area_gain", "area gained by the skin", "Skin area gained, of the pocket", "", |of| Some(of.area_ratio? - 1.0);
+    SkinAreaGain: "skin_area_gain", "area gained by the skin", "Skin area gained, of the pocket", "", Any, |of| Some(of.area_ratio? - 1.0);
     /// Area gained by the skin over the pocket \[cm²\].
-    SkinAreaGainCm2: "skin_area_gain_cm2", "area gained by the skin", "Skin area gained", "cm²", |of| of.area_gain_cm2;
+    SkinAreaGainCm2: "skin_area_gain_cm2", "area gained by the skin", "Skin area gained", "cm²", Any, |of| of.area_gain_cm2;
     /// Layered tissue: greatest pull of the attachment around the pocket \[kPa\].
-    AttachmentTractionKpa: "attachment_traction_kpa", "greatest pull of the attachment", "Pull at the pocket's edge", "kPa", |of| Some(of.attachment_traction_kpa?.max);
+    AttachmentTractionKpa: "attachment_traction_kpa", "greatest pull of the attachment", "Pull at the pocket's edge", "kPa", Layers, |of| Some(of.attachment_traction_kpa?.max);
     /// Volume of the implant \[ml\].
-    ImplantVolumeMl: "implant_volume_ml", "volume of the implant", "Volume", "ml", |of| Some(of.implant_volume_ml);
+    ImplantVolumeMl: "implant_volume_ml", "volume of the implant", "Volume", "ml", Any, |of| Some(of.implant_volume_ml);
     /// Layered tissue: greatest strain / strain at which the skin's curve turns steep \[-\].
-    SkinReserveUsed: "skin_reserve_used", "share of the skin's reserve", "Skin stretch, of its reserve", "", |of| of.skin_reserve_used;
+    SkinReserveUsed: "skin_reserve_used", "share of the skin's reserve", "Skin stretch, of its reserve", "", Layers, |of| of.skin_reserve_used;
 }
 
 /// Fraction of the skin over the pocket above a strain.
@@ -108,13 +117,7 @@ impl Quantity {
     /// Does layered tissue alone have the quantity?
     #[must_use]
     pub fn is_of_layers(self) -> bool {
-        matches!(
-            self,
-            Self::LeastCoverMm
-                | Self::ApexCoverMm
-                | Self::AttachmentTractionKpa
-                | Self::SkinReserveUsed
-        )
+        self.row().of == Of::Layers
     }
 
     /// The quantity in words, without its unit.

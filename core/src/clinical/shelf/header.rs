@@ -55,11 +55,7 @@ impl LengthUnit {
     /// The unit of a word.
     #[must_use]
     pub fn of(word: &str) -> Option<Self> {
-        match word {
-            "mm" => Some(Self::Mm),
-            "cm" => Some(Self::Cm),
-            _ => None,
-        }
+        [Self::Mm, Self::Cm].into_iter().find(|unit| unit.word() == word)
     }
 
     /// The unit as it is written.
