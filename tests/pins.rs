@@ -58,16 +58,35 @@ fn solved(session: &Session) -> (u64, f64) {
 }
 
 #[test]
-fn a_pin_without_a_side_takes_none_away() {
+fn a_pin_without_a_side_has_that_of_the_plan_and_none_in_a_file() {
     let mut session = settled(small());
     pin(&mut session);
-    edit(&mut session, |scene| scene.side = Some(Side::Left));
-    pin(&mut session);
+    let of_pin = |session: &Session| session.pins()[0].scene().side;
+    // A first choice, its correction, and back.
+    for side in [Some(Side::Left), Some(Side::Right), None, Some(Side::Left)] {
+        edit(&mut session, |scene| scene.side = side);
+        assert_eq!(of_pin(&session), side);
+    }
+    let plan = session.scene().clone();
+    assert!(session.pins()[0].scene().is_same_plan(&plan), "a second pin of this plan");
     open(&mut session, Letter::A);
     assert_eq!(session.scene().side, Some(Side::Left));
-    // A pin of its own side keeps it.
+    session.apply(Command::Undo).unwrap();
+    assert_eq!((session.scene().side, of_pin(&session)), (None, None));
+    let kept = session.pinned_scenes();
+    assert_eq!(kept[0].scene.side, None);
+    let mut next = Session::new(plan).unwrap();
+    next.set_pins(kept).unwrap();
+    assert_eq!(of_pin(&next), Some(Side::Left));
+}
+
+#[test]
+fn a_pin_of_its_own_side_keeps_it_and_brings_it_back() {
+    let mut session = settled(Scene { side: Some(Side::Left), ..small() });
+    pin(&mut session);
     edit(&mut session, |scene| scene.side = Some(Side::Right));
-    open(&mut session, Letter::B);
+    assert_eq!(session.pins()[0].scene().side, Some(Side::Left));
+    open(&mut session, Letter::A);
     assert_eq!(session.scene().side, Some(Side::Left));
 }
 

@@ -197,10 +197,9 @@ impl Session {
             Command::Rename(letter, name) => self.rename_pin(letter, name)?,
             Command::OpenPin(letter) => {
                 let pin = self.pin(letter).ok_or(CommandError::NoPin(letter))?;
-                // Visit and side are the patient's: a pin without a side takes none away.
-                let side = pin.scene().side.or(self.scene.side);
+                // The visit is the patient's.
                 let visit = self.scene.visit.clone();
-                let mut scene = Scene { side, visit, ..pin.scene().clone() };
+                let mut scene = Scene { visit, ..pin.scene().clone() };
                 // So is the measured base of the breast.
                 if let (Some(patient), Some(now)) = (&mut scene.patient, &self.scene.patient) {
                     let base = patient.base_now(now);
@@ -256,6 +255,7 @@ impl Session {
     /// Replaces the current scene; returns the previous scene. Only a change of the physics to that of no pin starts a
     /// solve.
     fn show(&mut self, checked: CheckedScene) -> Scene {
+        self.set_side_of_pins(checked.scene().side);
         if checked.scene().same_physics(&self.scene) {
             let before = std::mem::replace(&mut self.scene, checked.into_scene());
             if let Some(measured) = &mut self.measured {

@@ -7,7 +7,7 @@
 use super::{CommandError, Session, work_of};
 use crate::measure::{Fields, Outcome, Status};
 use crate::scene::pins::{MAX_PINS, check_name};
-use crate::scene::{CheckedScene, Letter, PinnedScene, Scene, SceneError};
+use crate::scene::{CheckedScene, Letter, PinnedScene, Scene, SceneError, Side};
 use crate::simulate;
 use crate::solve::{Options, Progress, Solution, Solver};
 use std::rc::Rc;
@@ -17,6 +17,8 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Pin {
     pinned: PinnedScene,
+    /// Has the scene a side of its own? Without one it has that of the current scene.
+    has_side: bool,
     solved: Option<Solved>,
     /// Number of the pin, different for every pin of a session.
     number: u64,
@@ -104,10 +106,15 @@ impl Session {
         Letter::ALL.into_iter().find(|&letter| self.pin(letter).is_none())
     }
 
-    /// Scenes, letters and names of the pins, for a file.
+    /// Scenes, letters and names of the pins as they were pinned, for a file.
     #[must_use]
     pub fn pinned_scenes(&self) -> Vec<PinnedScene> {
-        self.pins.iter().map(|pin| pin.pinned.clone()).collect()
+        let as_pinned = |pin: &Pin| {
+            let mut pinned = pin.pinned.clone();
+            pinned.scene.side = pinned.scene.side.filter(|_| pin.has_side);
+            pinned
+        };
+        self.pins.iter().map(as_pinned).collect()
     }
 
     /// The pin of a letter.
@@ -173,7 +180,7 @@ impl Session {
                 return Err(CommandError::Pinned(pin.letter));
             }
         }
-        if self.pins.iter().map(|pin| &pin.pinned).eq(&pinned) {
+        if self.pinned_scenes() == pinned {
             return Ok(());
         }
         let before = std::mem::take(&mut self.pins);
@@ -207,8 +214,20 @@ impl Session {
     fn add_pin(&mut self, mut pinned: PinnedScene) {
         self.pins_added += 1;
         pinned.scene.visit = None;
+        let has_side = pinned.scene.side.is_some();
+        pinned.scene.side = pinned.scene.side.or(self.scene.side);
         let at = self.pins.partition_point(|pin| pin.letter() < pinned.letter);
-        self.pins.insert(at, Pin { pinned, solved: None, number: self.pins_added });
+        self.pins.insert(at, Pin { pinned, has_side, solved: None, number: self.pins_added });
+    }
+
+    /// Sets the side of the pins that have none of their own.
+    pub(super) fn set_side_of_pins(&mut self, side: Option<Side>) {
+        for pin in self.pins.iter_mut().filter(|pin| !pin.has_side) {
+            if pin.pinned.scene.side != side {
+                pin.pinned.scene.side = side;
+                self.pins_revision += 1;
+            }
+        }
     }
 
     /// The solution of a pin with the physics of a scene.

@@ -51,11 +51,11 @@ const GIVEN: [Given; 9] = [
     Given { name: "Margin of the pocket", unit: "cm", value: Words(margin), is_in_captions: true },
 ];
 
-/// The maker's name of the implant.
 fn side(scene: &Scene) -> String {
     scene.side.map_or("–", |side| tr(side.word())).to_owned()
 }
 
+/// The maker's name of the implant.
 fn reference(scene: &Scene) -> String {
     let reference = &scene.implant_reference;
     if reference.is_empty() { "–".to_owned() } else { reference.clone() }
@@ -208,8 +208,14 @@ mod tests {
         assert!(names.contains(&"Skin and fat at rest, mm".to_owned()), "{names:?}");
         assert_eq!(in_words(&session)(session.scene()), "Pinch 3.0 cm");
         // Two pictures side by side are not two sides of a patient unless they say so.
-        scene.side = Some(Side::Right);
-        session.apply(edit(&scene)).unwrap();
+        let of_side = |session: &mut Session, scene: &mut Scene, side| {
+            scene.side = Some(side);
+            session.apply(edit(scene)).unwrap();
+        };
+        of_side(&mut session, &mut scene, Side::Left);
+        assert_eq!(in_words(&session)(session.scene()), "Pinch 3.0 cm");
+        session.apply(Command::Pin).unwrap();
+        of_side(&mut session, &mut scene, Side::Right);
         assert_eq!(in_words(&session)(session.scene()), "Breast right, pinch 3.0 cm");
     }
 }
