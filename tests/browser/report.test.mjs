@@ -29,8 +29,8 @@ async function choose(page, ...items) {
 /** Chooses an item of the menu "File" and reads the file that is downloaded. */
 async function save(page, ...items) {
   await choose(page, ...items);
-  // In front of a report without a patient's number is a dialog, which the Enter key saves.
-  if (items.at(-1).startsWith("Save report") && !(await harness.scene(page)).visit?.reference) {
+  // In front of a report is a dialog, which the Enter key saves.
+  if (items.at(-1).startsWith("Save report")) {
     await page.keyboard.press("Enter");
     await harness.control(page, "Save report");
   }

@@ -208,7 +208,7 @@ fn the_link_says_that_it_leaves_out_the_visit() {
 }
 
 #[test]
-fn a_report_without_a_patient_number_asks_for_its_entries_first() {
+fn a_report_asks_for_its_entries_first_and_with_them_enter_saves() {
     for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| {
             *scene = flat_plan();
@@ -253,11 +253,17 @@ fn a_report_without_a_patient_number_asks_for_its_entries_first() {
         assert!(!is_asked(&harness) && is_saved(&harness), "{size}");
         assert_eq!(visit(&harness).reference, "4711");
         assert_eq!(harness.state().session().scene().side, Some(Side::Right));
-        // With the number a press saves at once.
+        // The next press shows what was entered, and Enter saves.
         press(&mut harness, "Start over");
         harness.state_mut().set_plan("reference", "4711").unwrap();
         settle(&mut harness);
         press(&mut harness, "Report");
+        assert!(is_asked(&harness) && !is_saved(&harness), "{size}");
+        let fields = harness.get_all_by_role_and_label(Role::TextInput, "Patient no.");
+        assert_eq!(fields.last().unwrap().value().unwrap(), "4711");
+        harness.get_by_label_contains("after the next start they are gone here");
+        harness.key_press(egui::Key::Enter);
+        settle(&mut harness);
         assert!(!is_asked(&harness) && is_saved(&harness), "{size}");
     }
 }

@@ -81,7 +81,7 @@ impl App {
                 let text = export::csv(&numbers::table(&self.shared.session, &sampled));
                 self.save_numbers(ctx, "csv", text);
             }
-            Task::TakeHome(Purpose::Report) if plan::patient_number(session.scene()).is_none() => {
+            Task::TakeHome(Purpose::Report) => {
                 self.windows.report_dialog = Some(ReportDialog::new(session.scene()));
             }
             Task::TakeHome(purpose) => self.take_home(ctx, purpose),

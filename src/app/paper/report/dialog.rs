@@ -1,13 +1,17 @@
-//! The dialog in front of a report without a patient's number: its entries, which become those of the plan.
+//! The dialog in front of a report: its entries, which become those of the plan.
 
 use crate::app::plan::{self, Hand};
 use crate::app::texts::tr;
+use crate::app::widgets::remark;
 use crate::app::widgets::theme::{self, SPACE};
 use crate::scene::{Scene, Side, Visit};
 use eframe::egui::{self, Context, Id, Key, Modal, RichText, Ui};
 
 /// Greatest width \[points\].
 const WIDTH: f32 = 360.0;
+
+/// Where the entries are kept, and where not.
+const KEPT: &str = "Patient number and remarks are in this report and in a saved plan only: after the next start they are gone here.";
 
 /// The dialog with its entries.
 pub(crate) struct ReportDialog {
@@ -44,6 +48,7 @@ impl ReportDialog {
                 number.request_focus();
             }
             let is_entered = number.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            remark(ui, tr(KEPT));
             ui.add_space(SPACE);
             buttons(ui, hand).or(is_entered.then_some(Choice::Save))
         });
