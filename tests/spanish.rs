@@ -13,6 +13,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{By, NodeT, Queryable};
 use frames::{cut_texts, painted_texts, settle};
 use implant_preview::app::App;
+use implant_preview::clinical::Size;
 use implant_preview::curve::CurveSpec;
 use implant_preview::platform::desktop::beside_window;
 use implant_preview::scene::Scene;
@@ -234,11 +235,13 @@ fn a_plan_without_an_answer_says_so_in_spanish() {
     let _alone = alone();
     for size in [DESKTOP, PHONE] {
         let harness = app("es", size, |scene| {
+            let size = Size::of_width_and_volume(120.0, 350.0).unwrap();
+            scene.implant.projection_mm = size.projection_mm();
             scene.layers[1].curve = CurveSpec::Adipose {}.into();
             scene.layers[1].poisson_ratio = 0.45;
             scene.layers[0].curve.strain_scale = 0.15;
         });
-        let words = "La piel es demasiado tensa para 300 ml con 12 cm, y una grasa tan blanda cede bajo ella.";
+        let words = "La piel es demasiado tensa para 350 ml con 12 cm, y una grasa tan blanda cede bajo ella.";
         assert!(harness.query_all_by_label(words).count() > 0, "{size}");
         assert!(harness.state().summary().contains(words));
         assert!(harness.query_all_by_label("Sin respuesta").count() > 0);

@@ -151,10 +151,12 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.reference_length {
             self.mode = Mode::Robust;
         }
-        match (self.is_on_finest(), self.ascent.is_empty()) {
-            (false, _) => self.check_start(),
-            (true, false) => self.check_step(),
-            (true, true) => self.check_solution(),
+        if self.grid == self.rising_grid() && !self.ascent.is_empty() {
+            self.check_step()
+        } else if self.is_on_finest() {
+            self.check_solution()
+        } else {
+            self.check_start()
         }
     }
 

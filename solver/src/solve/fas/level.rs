@@ -294,10 +294,14 @@ impl<M: ElasticModel> Level<M> {
         self.are_forces_current = false;
     }
 
-    /// Starts from the prolongated state of the coarser grid. `row` and `coarse.f` are scratch.
+    /// Starts from the prolongated state of the coarser grid. `row` and a field of the coarser grid are scratch.
     pub(super) fn start_from(&mut self, coarse: &mut Self, row: &mut [f32]) {
-        let Level { layout, u, f, are_forces_current, .. } = coarse;
-        transfer::prolongate_solution(layout, &self.layout, u, f, &mut self.u, row);
+        let Level { layout, u, f, correction, are_forces_current, .. } = coarse;
+        // A shape to display may be asked for within a cycle, whose scaled correction still needs the residual.
+        let scratch = if correction.x.is_empty() { f } else { &mut *correction };
+        transfer::prolongate_solution(layout, &self.layout, u, scratch, &mut self.u, row);
+        // Corrections are zero at nodes that are not free.
+        correction.fill_zero();
         *are_forces_current = false;
         self.project_feasible();
     }

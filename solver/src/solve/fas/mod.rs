@@ -31,7 +31,8 @@ use glam::DVec3;
 use level::Level;
 use parameters::Parameters;
 pub(super) use parameters::{
-    LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE, MEMBRANE_GENTLE,
+    LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, LAYERED_RISING_FINER, MEMBRANE,
+    MEMBRANE_GENTLE,
 };
 use std::iter::successors;
 
@@ -104,7 +105,7 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
 struct Ascent {
     /// The obstacle after the step \[mm\].
     obstacle: Obstacle,
-    /// Move of every column of the finest grid by the initial guesses before and after the step \[spacings\].
+    /// Move of every column of the rising grid by the initial guesses before and after the step \[spacings\].
     moves: Vec<DVec3>,
 }
 
@@ -271,9 +272,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.start_from_geometry(problem, &lowest.dome);
         }
         self.ascent.clear();
+        let rising = self.rising_grid();
         for pair in self.parameters.rise.windows(2).rev() {
             let [before, obstacle] = [&pair[0], &pair[1]].map(standing);
-            let level = self.finest();
+            let level = &self.levels[rising];
             let [from, to] = [&before, &obstacle].map(|at| level.guess(problem, &at.dome));
             let moves = to.iter().zip(from).map(|(to, from)| *to - from).collect();
             self.ascent.push(Ascent { obstacle, moves });
@@ -294,7 +296,17 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
     }
 
-    /// Raises the dome by a step on the finest grid.
+    /// The grid on which a dome rises.
+    fn rising_grid(&self) -> usize {
+        self.parameters.rising_grid.min(self.levels.len() - 1)
+    }
+
+    /// Does the dome of these constants rise on another grid than the coarser one of the attempt before?
+    pub(super) fn rises_higher(&self, parameters: &Parameters) -> bool {
+        self.levels.len() > parameters.rising_grid
+    }
+
+    /// Raises the dome by a step on its grid.
     fn raise(&mut self) {
         let Some(Ascent { obstacle, moves }) = self.ascent.pop() else { return };
         self.place(&obstacle);

@@ -24,8 +24,10 @@ pub(in crate::solve) struct Parameters {
     pub(super) mixing_bounds: (f64, f64),
     /// Is a step shortened by the hardening of the adjacent springs?
     pub(super) has_hardening: bool,
-    /// Parts of the dome's height that stand one after the other on the finest grid, the last one 1 \[-\].
+    /// Parts of the dome's height that stand one after the other on the rising grid, the last one 1 \[-\].
     pub(super) rise: &'static [f64],
+    /// The rising grid, counted from the coarsest; at most the finest.
+    pub(super) rising_grid: usize,
     /// Error of a solution under a dome that is to rise further \[base radius\]; not below that of a shape to display.
     pub(super) rising_tolerance: f64,
     /// The most cycles under such a dome; the scheme fails if the error is above [`Self::rising_tolerance`] afterwards.
@@ -107,6 +109,7 @@ pub(in crate::solve) const MEMBRANE: Parameters = Parameters {
     mixing_bounds: (-4.0, 0.5),
     has_hardening: true,
     rise: &[1.0],
+    rising_grid: 0,
     rising_tolerance: 2e-2,
     max_cycles_of_step: 20,
     first_grid: 0,
@@ -196,11 +199,18 @@ pub(in crate::solve) const LAYERED_GENTLE: Parameters = Parameters {
     ..LAYERED
 };
 
-/// The constants of the third attempt for layered tissue over a chest or of uneven thickness: the dome rises on the finest grid. Tight
-/// skin over a steep dome stiffens so fast that the first cycle after a refinement loses the shape, although shapes near the
-/// solution converge in a few cycles. Steps of a quarter of the height are too long.
-pub(in crate::solve) const LAYERED_RISING: Parameters =
-    Parameters { rise: &[0.5, 0.6, 0.7, 0.8, 0.87, 0.94, 1.0], ..LAYERED };
+/// The constants of the third attempt for layered tissue over a chest or of uneven thickness: the dome rises on the second grid. Tight
+/// skin over a steep dome stiffens so fast that the first grid has no shape under all of it, or that the first cycle after a refinement
+/// loses the shape, although shapes near the solution converge in a few cycles. Steps of a quarter of the height are too long.
+pub(in crate::solve) const LAYERED_RISING: Parameters = Parameters {
+    rise: &[0.5, 0.6, 0.7, 0.8, 0.87, 0.94, 1.0],
+    rising_grid: LAYERED.first_grid + 1,
+    ..LAYERED
+};
+
+/// The constants of the fourth attempt: the dome rises on the third grid.
+pub(in crate::solve) const LAYERED_RISING_FINER: Parameters =
+    Parameters { rising_grid: LAYERED_RISING.rising_grid + 1, ..LAYERED_RISING };
 
 /// The constants for layered tissue. The spectrum of D⁻¹H reaches 3.4 at rest, 4 to 5 on the dome, 7 on steep domes
 /// and 10 where four points meet a strain that concentrates in softening tissue: the stiff modes are smooth changes of
@@ -215,6 +225,7 @@ pub(in crate::solve) const LAYERED: Parameters = Parameters {
     mixing_bounds: (-4.0, 0.5),
     has_hardening: false,
     rise: &[1.0],
+    rising_grid: 0,
     rising_tolerance: 2e-2,
     max_cycles_of_step: 20,
     // Thick tissue holds a smooth change of thickness at 1/1200 of the stiffest mode on 17 nodes per side: steps there do not

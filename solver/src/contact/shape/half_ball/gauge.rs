@@ -1,11 +1,12 @@
 //! The gauge of a half-ball's image.
 //!
-//! A position (x, y, z) is the image of s = (x/a, (y + σz)/b, z/p) in the half-ball: half-axes a and b of the base, projection p, and a shear σ that
-//! moves the apex by σp towards −y; of another fullness than half of an ellipsoid the last number is mapped further ([`Fullness`]). The
-//! length |s| is one on the surface; the gauge is |s| − 1.
+//! A position (x, y, z) is the image of s = (x/a, y/b, z/p) in the half-ball: half-axes a and b of the base, projection p; of another fullness than
+//! half of an ellipsoid the last number is mapped further ([`Fullness`]), and with the apex lower the first two are replaced by the gauge of the
+//! sections ([`Leaning`]). The length |s| is one on the surface; the gauge is |s| − 1.
 
 use super::super::traits::Gauge;
 use super::fullness::Fullness;
+use super::leaning::{Leaning, Section};
 use crate::mesh::vec3::{Block, dot};
 use crate::number::Real;
 
@@ -19,8 +20,8 @@ const STEPS_ALONG: usize = 4;
 pub(crate) struct HalfBallGauge<R> {
     /// Reciprocal half-axes.
     per_axis: [R; 3],
-    /// Way of the axis towards −y per height; `None` for an upright axis.
-    shear: Option<R>,
+    /// The sections with the apex lower; `None` of an upright dome.
+    leaning: Option<Leaning<R>>,
     /// The map of heights; `None` for half of an ellipsoid.
     fullness: Option<Fullness<R>>,
 }
@@ -30,28 +31,80 @@ impl<R: Real> HalfBallGauge<R> {
     pub(super) fn new(half_axes: [f64; 3], shift: f64, exponent: Option<f64>) -> Self {
         Self {
             per_axis: half_axes.map(|axis| R::splat(1.0 / axis)),
-            shear: (shift != 0.0).then(|| R::splat(shift / half_axes[2])),
+            leaning: (shift != 0.0).then(|| Leaning::new([half_axes[0], half_axes[1]], shift)),
             fullness: exponent.map(Fullness::new),
         }
     }
 
-    /// The linear part of the source of a vector: all of it for half of an ellipsoid.
+    /// The source of a vector in the half-ball of an upright half of an ellipsoid.
     #[inline(always)]
-    fn linear(&self, [x, mut y, z]: [R; 3]) -> [R; 3] {
-        if let Some(shear) = self.shear {
-            y += shear * z;
-        }
-        [x * self.per_axis[0], y * self.per_axis[1], z * self.per_axis[2]]
+    fn linear(&self, at: [R; 3]) -> [R; 3] {
+        [0, 1, 2].map(|axis| at[axis] * self.per_axis[axis])
     }
 
-    /// The transposed map of [`Self::linear`]: the gradient of a function of that part.
+    /// The place of a height z in the half-ball, and half of the slope of its square by z.
     #[inline(always)]
-    fn gradient(&self, of: [R; 3]) -> [R; 3] {
-        let [x, y, mut z] = [0, 1, 2].map(|axis| of[axis] * self.per_axis[axis]);
-        if let Some(shear) = self.shear {
-            z += shear * y;
-        }
-        [x, y, z]
+    fn height(&self, z: R) -> (R, R) {
+        let height = z * self.per_axis[2];
+        let (source, pull) = match &self.fullness {
+            Some(fullness) => fullness.source(height),
+            None => (height, height),
+        };
+        (source, pull * self.per_axis[2])
+    }
+
+    /// [`Gauge::length`] of a leaning dome.
+    #[inline(never)]
+    fn leaning_length(&self, leaning: &Leaning<R>, [x, y, z]: [R; 3]) -> (R, [R; 3]) {
+        let section = leaning.section([x, y + leaning.shift]);
+        let (source, pull) = self.height(z);
+        let length = (section.length * section.length + source * source).sqrt();
+        let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
+        let [across, along] = section.slope.map(|slope| slope * section.length * per);
+        (length, [across, along, pull * per])
+    }
+
+    /// [`Gauge::distance_along`] of a leaning dome: |s|² is convex along the direction.
+    #[inline(never)]
+    fn leaning_distance(
+        &self,
+        leaning: &Leaning<R>,
+        at: [R; 3],
+        direction: [R; 3],
+        length: R,
+    ) -> R {
+        let size = self.linear(direction);
+        let most = R::splat(1.0) / dot(size, size).sqrt().max(R::splat(1e-20));
+        newton(most, |factor| {
+            let to = [0, 1, 2].map(|axis| at[axis] + direction[axis] * factor);
+            let (found, gradient) = self.leaning_length(leaning, to);
+            let over = R::splat(0.5) * (found - length) * (found + length);
+            (over, found * dot(gradient, direction))
+        })
+    }
+
+    /// [`Gauge::way_to`] of a leaning dome: along the image of the half-ball's ray from the apex's foot, or upright.
+    #[inline(never)]
+    fn leaning_way(&self, leaning: &Leaning<R>, p: [R; 3], length: R, to: R) -> [R; 3] {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let foot = [p[0], p[1] + leaning.shift];
+        let flat = leaning.length(foot);
+        let factor = to / length.max(R::splat(LEAST_LENGTH));
+        let left = to * to - flat * flat;
+        let rise = |source: R| {
+            let height = self.fullness.as_ref().map_or(source, |fullness| fullness.image(source));
+            height / self.per_axis[2] - p[2]
+        };
+        let upright = rise(left.max(zero).sqrt());
+        let along = rise(factor * self.height(p[2]).0);
+        let ray = [foot[0] * (factor - one), foot[1] * (factor - one), along];
+        let most = R::select(left.is_above(zero), dot(ray, ray), zero);
+        let is_upright = most.is_above(upright * upright);
+        [
+            R::select(is_upright, zero, ray[0]),
+            R::select(is_upright, zero, ray[1]),
+            R::select(is_upright, upright, ray[2]),
+        ]
     }
 
     /// [`Gauge::way_to`] with a map of heights: along the image of the half-ball's ray, or along the axis.
@@ -65,16 +118,14 @@ impl<R: Real> HalfBallGauge<R> {
         let rise = |height: R| (height - z) / self.per_axis[2];
         let upright = rise(fullness.image(left.max(zero).sqrt()));
         let along = rise(fullness.image(factor * fullness.source(z).0));
-        let lean = self.shear.unwrap_or_default();
-        let aside = -(lean * upright);
         let [across, down] =
             [x / self.per_axis[0], y / self.per_axis[1]].map(|way| way * (factor - R::splat(1.0)));
-        let ray = [across, down - lean * along, along];
+        let ray = [across, down, along];
         let most = R::select(left.is_above(zero), dot(ray, ray), zero);
-        let is_upright = most.is_above(upright * upright + aside * aside);
+        let is_upright = most.is_above(upright * upright);
         [
             R::select(is_upright, zero, ray[0]),
-            R::select(is_upright, aside, ray[1]),
+            R::select(is_upright, zero, ray[1]),
             R::select(is_upright, upright, ray[2]),
         ]
     }
@@ -83,6 +134,11 @@ impl<R: Real> HalfBallGauge<R> {
 impl<R: Real> Gauge<R> for HalfBallGauge<R> {
     #[inline(always)]
     fn length_squared(&self, at: [R; 3]) -> R {
+        if let Some(leaning) = &self.leaning {
+            let flat = leaning.length([at[0], at[1] + leaning.shift]);
+            let height = self.height(at[2]).0;
+            return flat * flat + height * height;
+        }
         let mut s = self.linear(at);
         if let Some(fullness) = &self.fullness {
             s[2] = fullness.source(s[2]).0;
@@ -92,6 +148,9 @@ impl<R: Real> Gauge<R> for HalfBallGauge<R> {
 
     #[inline(always)]
     fn length(&self, at: [R; 3]) -> (R, [R; 3]) {
+        if let Some(leaning) = &self.leaning {
+            return self.leaning_length(leaning, at);
+        }
         let mut s = self.linear(at);
         // Half of the gradient of |s|² by the linear part.
         let mut pull = s;
@@ -100,7 +159,7 @@ impl<R: Real> Gauge<R> for HalfBallGauge<R> {
         }
         let length = dot(s, s).sqrt();
         let per = R::splat(1.0) / length.max(R::splat(LEAST_LENGTH));
-        (length, self.gradient(pull.map(|pull| pull * per)))
+        (length, self.linear(pull.map(|pull| pull * per)))
     }
 
     #[inline(always)]
@@ -110,25 +169,30 @@ impl<R: Real> Gauge<R> for HalfBallGauge<R> {
         if let Some(fullness) = &self.fullness {
             z = z * fullness.bend(at[2] * self.per_axis[2], least);
         }
-        let mut sum = [
-            (x - g[0] * g[0]) * per,
-            -g[0] * g[1] * per,
+        let [xx, xy, yy] = match &self.leaning {
+            None => [x, R::splat(0.0), y],
+            Some(leaning) => {
+                let Section { slope: [a, b], bend, .. } =
+                    leaning.section([at[0], at[1] + leaning.shift]);
+                [a * a + bend[0], a * b + bend[1], b * b + bend[2]]
+            }
+        };
+        [
+            (xx - g[0] * g[0]) * per,
+            (xy - g[0] * g[1]) * per,
             -g[0] * g[2] * per,
-            (y - g[1] * g[1]) * per,
+            (yy - g[1] * g[1]) * per,
             -g[1] * g[2] * per,
             (z - g[2] * g[2]) * per,
-        ];
-        if let Some(shear) = self.shear {
-            let y = shear * y;
-            sum[4] += y * per;
-            sum[5] += shear * y * per;
-        }
-        sum
+        ]
     }
 
     /// A root of a quadratic equation, with a map of heights by Newton's method.
     #[inline(always)]
     fn distance_along(&self, at: [R; 3], direction: [R; 3], length: R) -> R {
+        if let Some(leaning) = &self.leaning {
+            return self.leaning_distance(leaning, at, direction, length);
+        }
         let (s, g) = (self.linear(at), self.linear(direction));
         if let Some(fullness) = &self.fullness {
             return distance_to(fullness, s, g, length);
@@ -140,6 +204,9 @@ impl<R: Real> Gauge<R> for HalfBallGauge<R> {
 
     #[inline(always)]
     fn way_to(&self, p: [R; 3], length: R, to: R) -> [R; 3] {
+        if let Some(leaning) = &self.leaning {
+            return self.leaning_way(leaning, p, length, to);
+        }
         if let Some(fullness) = &self.fullness {
             return self.way_of_fullness(fullness, p, length, to);
         }
@@ -149,28 +216,36 @@ impl<R: Real> Gauge<R> for HalfBallGauge<R> {
         let height = to * to - s[0] * s[0] - s[1] * s[1];
         let upright = (height.max(zero).sqrt() - s[2]) / self.per_axis[2];
         let most = R::select(height.is_above(zero), ray * ray * dot(p, p), zero);
-        let aside = self.shear.map_or(zero, |shear| -(shear * upright));
-        let is_upright = most.is_above(upright * upright + aside * aside);
+        let is_upright = most.is_above(upright * upright);
         [
             R::select(is_upright, zero, p[0] * ray),
-            R::select(is_upright, aside, p[1] * ray),
+            R::select(is_upright, zero, p[1] * ray),
             R::select(is_upright, upright, p[2] * ray),
         ]
     }
 }
 
 /// The multiple of a direction that leads from a point to a length, both in the linear part of the source: |s|² is convex along the
-/// direction, so that steps of Newton's method stay beyond the root after the first.
+/// direction.
 #[inline(never)]
 fn distance_to<R: Real>(fullness: &Fullness<R>, from: [R; 3], direction: [R; 3], length: R) -> R {
     let half = R::splat(0.5);
     let most = R::splat(1.0) / dot(direction, direction).sqrt().max(R::splat(1e-20));
-    let mut factor = R::splat(0.0);
-    for _ in 0..STEPS_ALONG {
+    newton(most, |factor| {
         let at = [0, 1, 2].map(|axis| from[axis] + direction[axis] * factor);
         let (s, pull) = fullness.source(at[2]);
         let over = half * (at[0] * at[0] + at[1] * at[1] + s * s - length * length);
         let slope = at[0] * direction[0] + at[1] * direction[1] + pull * direction[2];
+        (over, slope)
+    })
+}
+
+/// The root of a convex function, given with its slope: steps of Newton's method, no longer than `most`, stay beyond the root after the first.
+#[inline(always)]
+fn newton<R: Real>(most: R, value: impl Fn(R) -> (R, R)) -> R {
+    let mut factor = R::splat(0.0);
+    for _ in 0..STEPS_ALONG {
+        let (over, slope) = value(factor);
         let step = over / slope.max(R::splat(1e-20));
         factor = factor - step.max(-most).min(most);
     }

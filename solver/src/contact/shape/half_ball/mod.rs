@@ -1,13 +1,15 @@
 //! A half-ball's image: round and anatomical implants of any fullness.
 //!
-//! x²/a² + (y + σz)²/b² + z²/p² ≤ 1, z from 0 to p counted from the base: half-axes a across and b along the body, projection p, and a shear σ
-//! that moves the apex towards −y, the feet. Round: a = b and σ = 0, a half-ellipsoid of revolution, a hemisphere when p = a. A fullness f
-//! other than ⅔ has (z/p)^m in place of z²/p², m = f/(1 − f), and the volume fπabp. The gauge is the square root of the left side less one.
+//! x²/a² + y²/b² + z²/p² ≤ 1, z from 0 to p counted from the base: half-axes a across and b along the body, projection p. Round: a = b, a
+//! half-ellipsoid of revolution, a hemisphere when p = a. A fullness f other than ⅔ has (z/p)^m in place of z²/p², m = f/(1 − f), and the volume
+//! fπabp. With the apex lower, by s towards −y, the feet, the sections shrink towards its foot: the same volume, a fuller lower pole, no overhang.
+//! The gauge is the square root of the left side less one.
 //!
-//! `gauge` | `fullness` (its map of heights).
+//! `gauge` | `fullness` (its map of heights) | `leaning` (the sections with the apex lower).
 
 mod fullness;
 mod gauge;
+mod leaning;
 
 use super::traits::Geometry;
 use crate::number::Real;
@@ -73,20 +75,36 @@ impl HalfBall {
         self.exponent().map_or(1.0, |exponent| 0.5 * exponent)
     }
 
-    /// Way of the axis along y per height \[-\].
-    fn lean(&self) -> f64 {
-        -self.apex_shift / self.half_axes.z
+    /// ρ of the section at a height: its half-axes by those of the base \[-\].
+    fn share(&self, height: f64) -> f64 {
+        let part = (height / self.half_axes.z).clamp(0.0, 1.0);
+        (1.0 - part.powf(self.exponent().unwrap_or(2.0))).max(0.0).sqrt()
     }
 
-    /// Stretches of the map from the half-ball to half of an ellipsoid of this base and projection.
-    fn stretches(&self) -> [f64; 3] {
-        let (DVec3 { x: a, y: b, z: p }, shift) = (self.half_axes, self.apex_shift);
-        if shift == 0.0 {
-            return [a, b, p];
-        }
-        let (sum, difference) = (shift.hypot(b + p), shift.hypot(b - p));
-        [a, 0.5 * (sum + difference), 0.5 * (sum - difference)]
+    /// Least distance of the apex's foot from a line that touches the base, and the greatest one \[mm\].
+    fn tangents(&self) -> [f64; 2] {
+        let (DVec3 { x: a, y: b, .. }, shift) = (self.half_axes, self.apex_shift);
+        let wider = b * b - a * a;
+        let [down, up] = [-1.0, 1.0].map(|side| extreme(a * a, wider, side * shift.abs()));
+        [down.min(a), up.max(a)]
     }
+
+    /// Least distance of the apex's foot from the base's edge \[mm\].
+    fn nearest(&self) -> f64 {
+        let (DVec3 { x: a, y: b, .. }, shift) = (self.half_axes, self.apex_shift);
+        let eccentricity = shift / b;
+        let square = 1.0 - eccentricity * eccentricity;
+        let (across, along) = (square / (a * a), 1.0 / (b * b));
+        square / extreme(across, along - across, eccentricity.abs() / b).max(across.sqrt())
+    }
+}
+
+/// √(α + βt²) + γt where its slope by t is zero between 0 and 1, else at 1.
+fn extreme(alpha: f64, beta: f64, gamma: f64) -> f64 {
+    let square = alpha * gamma * gamma / (beta * (beta - gamma * gamma));
+    let turns = beta * gamma < 0.0 && square > 0.0 && square < 1.0;
+    let t = if turns { square.sqrt() } else { 1.0 };
+    (alpha + beta * t * t).max(0.0).sqrt() + gamma * t
 }
 
 impl Geometry for HalfBall {
@@ -104,7 +122,7 @@ impl Geometry for HalfBall {
     }
 
     fn axis(&self, height: f64) -> DVec2 {
-        DVec2::new(0.0, self.lean() * height)
+        DVec2::new(0.0, -self.apex_shift * (1.0 - self.share(height)))
     }
 
     fn is_round(&self) -> bool {
@@ -117,9 +135,8 @@ impl Geometry for HalfBall {
     }
 
     fn onto_ball(&self) -> Option<DMat3> {
-        let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(0.0, -self.lean(), 1.0));
-        let map = DMat3::from_diagonal(self.half_axes.recip()) * shear;
-        self.exponent().is_none().then_some(map)
+        let is_ellipsoid = self.exponent().is_none() && self.apex_shift == 0.0;
+        is_ellipsoid.then(|| DMat3::from_diagonal(self.half_axes.recip()))
     }
 
     fn reach(&self, angle: f64, direction: DVec2) -> DVec2 {
@@ -131,12 +148,12 @@ impl Geometry for HalfBall {
     }
 
     fn least_length(&self) -> f64 {
-        let least = self.stretches().into_iter().fold(f64::INFINITY, f64::min);
+        let least = self.tangents()[0].min(self.half_axes.z);
         least / self.exponent().map_or(1.0, |exponent| (0.5 * exponent).max(LEAN))
     }
 
     fn greatest_length(&self) -> f64 {
-        self.stretches().into_iter().fold(0.0, f64::max) / self.steepness().min(1.0)
+        self.tangents()[1].max(self.half_axes.z) / self.steepness().min(1.0)
     }
 
     /// Of a full dome.
@@ -145,18 +162,17 @@ impl Geometry for HalfBall {
     }
 
     fn apex_radius(&self) -> f64 {
-        let DVec3 { x: a, y: b, z: p } = self.half_axes;
-        let across = a.min(b);
-        across * across / p * self.steepness()
+        let across = self.nearest();
+        across * across / self.half_axes.z * self.steepness()
     }
 
     /// Of another fullness the height at which, as on a circle of that radius, the section has turned from the vertical by 1 rad to first order.
     fn rim_radius(&self) -> f64 {
         let DVec3 { x: a, y: b, z: p } = self.half_axes;
-        let [across, along] = [a, b].map(|axis| match self.exponent() {
+        let [across, along] = [a, b + self.apex_shift.abs()].map(|axis| match self.exponent() {
             Some(m) => p * (p / (0.5 * m * axis)).powf(1.0 / (m - 1.0)),
             None => p * p / axis,
         });
-        across.min(along * (1.0 + self.lean() * self.lean()).powf(1.5))
+        across.min(along)
     }
 }
