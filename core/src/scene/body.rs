@@ -209,11 +209,25 @@ impl Scene {
     }
 }
 
+/// Least number of automatic cells through tissue of uneven thickness: on a torso, 7 to 65 mm thick over the pocket, three cells give
+/// the force within 0.4 % and the skin within 0.1 % of the base radius of eight cells, two within 1 % and 0.3 %.
+const LEAST_UNEVEN: usize = 3;
+
 impl CellsThrough {
-    /// The number for solids of these thicknesses \[mm\].
-    pub(super) fn count(self, solids_mm: &[f64], spacing_mm: f64) -> usize {
+    /// The number for solids of these thicknesses \[mm\], times a factor from the least in the pocket to the greatest: automatic as
+    /// many as the thinnest place needs, where the implant presses most, and [`LEAST_UNEVEN`].
+    pub(super) fn count(
+        self,
+        solids_mm: &[f64],
+        [least, greatest]: [f64; 2],
+        spacing_mm: f64,
+    ) -> usize {
+        let balanced = |factor: f64| {
+            let solids_mm: Vec<f64> = solids_mm.iter().map(|solid| solid * factor).collect();
+            balanced_cells(&solids_mm, spacing_mm)
+        };
         match self {
-            Self::Auto => balanced_cells(solids_mm, spacing_mm),
+            Self::Auto => balanced(least).max(LEAST_UNEVEN).min(balanced(greatest)),
             Self::Count(count) => count,
         }
     }

@@ -115,10 +115,13 @@ impl CheckedScene {
                 let solids = self.materials[1..].iter().rev();
                 let solids_mm: Vec<f64> = solids.map(|solid| solid.thickness_mm).collect();
                 let cells = solver.cells_through.unwrap_or_default();
-                // As many as the thickest place needs.
-                let factor = self.thickness.as_ref().map_or(1.0, ThicknessField::greatest);
-                let thickest: Vec<f64> = solids_mm.iter().map(|solid| solid * factor).collect();
-                let cells = cells.count(&thickest, sheet.spacing_mm());
+                let factors = self.thickness.as_ref().map_or([1.0; 2], |field| {
+                    let within = |place: &&DVec2| place.length() <= *pocket_radius_mm;
+                    let in_pocket = sheet.rest().iter().filter(within);
+                    let least = in_pocket.map(|place| field.factor(*place));
+                    [least.fold(f64::INFINITY, f64::min), field.greatest()]
+                });
+                let cells = cells.count(&solids_mm, factors, sheet.spacing_mm());
                 let mut rest = Rest::layered(sheet, &solids_mm, cells);
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());
