@@ -507,7 +507,7 @@ fn measurements_without_effect_are_warnings() {
     assert!(warnings[1].contains("not the skin preset"));
     assert_eq!(
         warnings[2],
-        "The implant's base of 11 cm is wider than the measured base width of 10 cm."
+        "The implant's base of 11 cm is wider than the breast's base of 10 cm."
     );
     assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
 }

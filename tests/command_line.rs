@@ -485,10 +485,7 @@ fn simulate_derives_absent_fields_from_the_patient_and_lists_them() {
     );
     assert!(values.iter().all(|value| value["set_by_hand"] == false));
     let warnings = result["warnings"].to_string();
-    assert!(
-        warnings.contains("12 cm is wider than the measured base width of 11 cm"),
-        "{warnings}"
-    );
+    assert!(warnings.contains("12 cm is wider than the breast's base of 11 cm"), "{warnings}");
     let wanted = ["standard input", "patient.pinch_mm", "pinch is 200 mm", "4 to 120 mm"];
     assert_refused(&folder, &["simulate", "-"], &scene(r#"{"pinch_mm":200}"#), &wanted);
 }

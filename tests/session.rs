@@ -88,7 +88,7 @@ fn a_change_of_the_patient_alone_solves_nothing_and_updates_the_result() {
     assert_eq!(outcome.patient_values.len(), 2);
     let is_wide = |session: &Session| {
         let warnings = &session.outcome().unwrap().warnings;
-        warnings.iter().filter(|text| text.contains("wider than the measured base width")).count()
+        warnings.iter().filter(|text| text.contains("wider than the breast's base")).count()
     };
     assert_eq!(is_wide(&session), 0);
     edit(&mut session, 1, |scene| scene.apply_patient(measured(100.0)).unwrap());

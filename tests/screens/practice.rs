@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A table of one rule: 100 ml more than the built-in one for 12 cm.
 const TABLE: &str = "measure;is;value;unit;volume_ml;source\nbase width;at;11;cm;350;our clinic\nbase width;at;13;cm;450;\nfold;above;9,5;cm;30;\n";
 
-/// The switch of the measured base of the breast.
-const BASE: &str = "Breast base measured";
+/// The switch of the base of the breast.
+const BASE: &str = "Keep the breast's base";
 
 /// Drops a table, and waits for the notice, which fades.
 fn drop_table(harness: &mut Harness<'static, App>, text: &str, notice: &str) {
@@ -77,7 +77,7 @@ fn measurements_correct_the_volume_that_practice_takes() {
     let words = largest_usual(&mut harness);
     assert!(
         words.starts_with(
-            "12 cm: practice takes 360 ± 30 ml for a base of 12 cm; this skin carries up to 39"
+            "12 cm: practice takes 360 ± 30 ml for the breast's base, 12 cm; this skin carries up to 39"
         ),
         "{words}"
     );
@@ -120,7 +120,7 @@ fn the_measured_base_of_the_breast_keeps_practices_volume_while_the_implant_gets
     wait_until(&mut harness, "practice", |harness| text_with(harness, "practice's 325 ml: "));
     let words = largest_usual(&mut harness);
     assert!(
-        words.starts_with("11 cm: practice takes 325 ± 30 ml for the measured base of 13 cm; "),
+        words.starts_with("11 cm: practice takes 325 ± 30 ml for the breast's base, 13 cm; "),
         "{words}"
     );
     harness.get_by_label(BASE).click();

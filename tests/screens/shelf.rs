@@ -48,8 +48,11 @@ fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     // The breast keeps its base, and with it practice its volume.
     assert_eq!(scene.patient.as_ref().unwrap().measured.base_width_mm, Some(120.0));
     wait_until(&mut harness, "practice", |harness| {
-        text_with(harness, "practice takes 300 ± 30 ml for the measured base of 12 cm; ")
+        text_with(harness, "practice takes 300 ± 30 ml for the breast's base, 12 cm; ")
     });
+    // Nobody measured the base.
+    harness.get_by_label("Begins as the implant's width: measure it.");
+    assert!(harness.query_by_label("Breast base measured").is_none());
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &before);

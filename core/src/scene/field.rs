@@ -195,7 +195,7 @@ fields! {
     StressScale: "layers[].curve.stress_scale", Layer[curve.stress_scale], "stress scale of the skin", "", SCALES, Tables;
         "Stiffness of the skin", PLAIN, "";
     BreastWidth: "patient.base_width_mm", Patient[base_width_mm], "base width of the breast", "mm", MEASURED_WIDTH_MM, Tables;
-        "Breast base", CM, "Measured base width of the breast; practice's volume and the pull depend on it.";
+        "Breast base", CM, "Base width of the breast, best measured; practice's volume and the pull depend on it.";
     Pinch: "patient.pinch_mm", Patient[pinch_mm], "pinch", "mm", PINCH_MM, Tables;
         "Pinch", CM, "Thickness of a fold of skin and fat between two fingers. The fold contains the cover twice.";
     SkinPull: "patient.skin_pull_mm", Patient[skin_pull_mm], "pull of the skin", "mm", PULL_MM, Tables;

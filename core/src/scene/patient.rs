@@ -257,11 +257,11 @@ impl Scene {
             );
         }
         let width = 2.0 * self.implant.base_radius_mm;
-        if let Some(measured) = measured.base_width_mm.filter(|measured| width > *measured) {
+        if let Some(base) = measured.base_width_mm.filter(|base| width > *base) {
             warnings.push(format!(
-                "The implant's base of {} cm is wider than the measured base width of {} cm.",
+                "The implant's base of {} cm is wider than the breast's base of {} cm.",
                 number(width / 10.0),
-                number(measured / 10.0)
+                number(base / 10.0)
             ));
         }
         warnings

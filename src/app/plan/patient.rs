@@ -1,5 +1,6 @@
 //! What was measured on the patient, base of the breast, pinch, skin and chest, and what the measurements become.
 
+use super::device::Device;
 use super::{Hand, chest, chip, chips, cm, mm, row, title, visit};
 use crate::app::answer::practice::Practices;
 use crate::app::texts::{self, localized, tr};
@@ -41,7 +42,7 @@ pub(super) fn measure(scene: &mut Scene, measured: Measurements) {
     let _ = scene.apply_patient(measured);
 }
 
-/// The measured base of the breast, of a plan that is compared with practice or has the measurement. A measured pull has it among its
+/// The base of the breast, kept while the implant changes, of a plan that is compared with practice or has the measurement. A measured pull has it among its
 /// own controls.
 fn base(
     ui: &mut Ui,
@@ -54,26 +55,28 @@ fn base(
     if measured.skin_pull_mm.is_some() || !is_of_use {
         return;
     }
-    let mut is_measured = measured.base_width_mm.is_some();
-    let check = ui.checkbox(&mut is_measured, tr("Breast base measured"));
+    let mut is_set = measured.base_width_mm.is_some();
+    let check = ui.checkbox(&mut is_set, tr("Keep the breast's base"));
     if check
         .on_hover_text(tr("Else practice's volume is that of a breast as wide as the implant"))
         .changed()
     {
-        measured.base_width_mm = is_measured.then(|| new_base(scene));
+        measured.base_width_mm = is_set.then(|| new_base(scene));
     }
     if measured.base_width_mm.is_some() {
         base_width(ui, measured, hand);
+        let origin = tr("Begins as the implant's width: measure it.");
+        remark(ui, Device::of(ui.ctx()).words(origin));
     }
 }
 
-/// Base width of a new measurement \[mm\]: that of the implant.
+/// Base width of a breast until it is measured \[mm\]: that of the implant.
 pub(crate) fn new_base(scene: &Scene) -> f64 {
     let (least, most) = limits::MEASURED_WIDTH_MM;
     (2.0 * scene.implant.base_radius_mm).clamp(least, most)
 }
 
-/// The row of the measured base.
+/// The row of the breast's base.
 fn base_width(ui: &mut Ui, measured: &mut Measurements, hand: Hand) {
     let mut width = cm(measured.base_width_mm.unwrap_or(120.0));
     let control = Control::of(Field::BreastWidth).with_rail(8.0..=18.0);

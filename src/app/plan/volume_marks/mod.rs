@@ -179,22 +179,13 @@ impl VolumeMarks {
         let is_expander = self.own.is_of_expander();
         let words = match (practice, largest) {
             (Some(ml), largest) => {
-                let takes = match curve.base().measured().base_width_mm.is_some() {
-                    true => tr!(
-                        "{width} cm: practice takes {ml:.0} ± {step:.0} ml for the measured base of {base} cm; ",
-                        width,
-                        ml,
-                        step,
-                        base
-                    ),
-                    false => tr!(
-                        "{width} cm: practice takes {ml:.0} ± {step:.0} ml for a base of {base} cm; ",
-                        width,
-                        ml,
-                        step,
-                        base
-                    ),
-                };
+                let takes = tr!(
+                    "{width} cm: practice takes {ml:.0} ± {step:.0} ml for the breast's base, {base} cm; ",
+                    width,
+                    ml,
+                    step,
+                    base
+                );
                 takes + &against_practice(largest, self.own.end(), curve.base())
             }
             (None, None) if self.is_always_thin() => {
@@ -304,7 +295,10 @@ fn against_practice(largest: Option<String>, end: Option<&Mark>, plan: &Scene) -
             tr!("this skin carries up to {volume} within that stretch", volume)
         }
         Some(volume) => {
-            tr!("this skin carries up to {volume} of this shape within that stretch", volume)
+            tr!(
+                "this skin carries up to {volume} of this shape within the stretch of round ones",
+                volume
+            )
         }
         None if thin => tr("the cover is thin with every volume").to_owned(),
         None if pressure => tr("the pressure is high with every volume").to_owned(),
@@ -396,7 +390,9 @@ mod tests {
             let words = marks.largest_usual(&practices);
             assert_eq!(
                 words,
-                format!("12 cm: practice takes 300 ± 30 ml for a base of 12 cm; {expected}.")
+                format!(
+                    "12 cm: practice takes 300 ± 30 ml for the breast's base, 12 cm; {expected}."
+                )
             );
         }
         // An implant of another shape than practice's round one, on a breast whose base is measured.
@@ -408,7 +404,7 @@ mod tests {
         let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(310.0));
         assert_eq!(
             VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices),
-            "12 cm: practice takes 325 ± 30 ml for the measured base of 13 cm; this skin carries up to 310 ml of this shape within that stretch."
+            "12 cm: practice takes 325 ± 30 ml for the breast's base, 13 cm; this skin carries up to 310 ml of this shape within the stretch of round ones."
         );
     }
 
