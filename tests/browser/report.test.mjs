@@ -170,7 +170,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const cells = (name) => paper.locator(".numbers tr").filter({ hasText: name }).locator("td").allTextContents();
     const [, stretch, word] = await cells("Most stretch, %");
     assert.ok(/^\d+$/.test(stretch) && /^(below|as|above) practice$/.test(word), `${stretch} ${word}`);
-    assert.equal((await cells("Reserve used, %")).length, 5);
+    assert.equal((await cells("Skin's reserve used, %")).length, 5);
     assert.equal(await paper.locator(".numbers td.number").first().evaluate((cell) => getComputedStyle(cell).textAlign), "right");
     // The answers are words with bars: the word is larger than the figure.
     assert.equal(await paper.locator(".answers svg").count(), 3);

@@ -22,6 +22,8 @@ fn about_implants(harness: &Harness<'static, App>) -> Vec<String> {
 #[test]
 fn an_expander_is_called_an_expander_throughout() {
     let mut harness = unfolded(|scene| *scene = flat_plan());
+    harness.get_by_label("Keep the breast's base").click();
+    harness.run();
     assert!(about_implants(&harness).len() > 5, "{:?}", about_implants(&harness));
     press(&mut harness, "expander");
     harness.run();
@@ -67,8 +69,8 @@ fn the_words_of_an_expander_are_those_of_a_fill_at_once_everywhere() {
     let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
     press(&mut harness, "expander");
     harness.run();
-    harness.get_by_label("Stretch if filled at once");
-    harness.get_by_label("Pressure if filled at once");
+    harness.get_by_label("Stretch, at once");
+    harness.get_by_label("Pressure, at once");
     harness.get_by_label(
         "By the skin’s own limits; filled by week the skin grows, which the model leaves out.",
     );
@@ -81,6 +83,20 @@ fn the_words_of_an_expander_are_those_of_a_fill_at_once_everywhere() {
 }
 
 #[test]
+fn the_word_of_an_expander_names_the_reserve_beside_the_title() {
+    for size in [DESKTOP, egui::vec2(1024.0, 768.0)] {
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        press(&mut harness, "tight");
+        press(&mut harness, "expander");
+        settle(&mut harness);
+        let rect = |label| harness.get_by_label(label).rect();
+        let (title, word) = (rect("Stretch, at once"), rect("no reserve"));
+        // The strokes of the word are between both.
+        assert!(title.right() + 20.0 < word.left(), "{size}: {title:?} {word:?}");
+    }
+}
+
+#[test]
 fn undo_brings_an_anatomical_implant_back_from_an_expander() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
     press(&mut harness, "anatomical");
@@ -88,10 +104,10 @@ fn undo_brings_an_anatomical_implant_back_from_an_expander() {
     let anatomical = harness.state().session().scene().clone();
     press(&mut harness, "expander");
     settle(&mut harness);
-    harness.get_by_label("Stretch if filled at once");
+    harness.get_by_label("Stretch, at once");
     press(&mut harness, "Undo");
     settle(&mut harness);
     assert_eq!(harness.state().session().scene(), &anatomical);
-    assert!(harness.query_by_label("Stretch if filled at once").is_none());
+    assert!(harness.query_by_label("Stretch, at once").is_none());
     harness.get_by_role_and_label(Role::SpinButton, "Height (cm)");
 }

@@ -179,6 +179,7 @@ fn a_chart_without_values_has_no_numbers_beside_it() {
     harness.step();
     harness.step();
     assert_eq!(numbers_beside_charts(&harness, " fills computed"), [""; 0]);
+    harness.get_by_label("Fill steps by week (provisional, being computed)");
     wait_for(&mut harness, WORDS);
     assert!(numbers_beside_charts(&harness, WORDS).len() > 10);
 }

@@ -444,7 +444,8 @@ fn envelopes_are_lines_in_the_picture_on_demand() {
 #[test]
 fn on_a_phone_the_figures_of_the_bands_fit_above_the_tabs() {
     let harness = sampled(PHONE);
-    for (quantity, name) in FIGURES.into_iter().zip(["Stretch", "Pressure"]) {
+    // The name has the range where both fit in a line: that of a pressure beyond the studies is too long.
+    for (quantity, name) in FIGURES.into_iter().zip(["Stretch (19–24)", "Pressure"]) {
         let text = &figure(&harness, quantity);
         let rects = |label| harness.query_all_by_label(label).map(|label| label.rect());
         let names: Vec<egui::Rect> = rects(name).collect();

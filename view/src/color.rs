@@ -346,7 +346,7 @@ mod tests {
         let of_sheet = of_skin(None, &["usual", "high", "very high", "beyond"]);
         assert_eq!(of_sheet, ["0", "25", "50", "54", "80"]);
         // A skin that turns steep at 20 %.
-        let of_reserve = of_skin(Some(0.2), &["usual", "high", "very high"]);
+        let of_reserve = of_skin(Some(0.2), &["reserve left", "little reserve", "no reserve"]);
         assert_eq!(of_reserve, ["0", "16", "20", "30"]);
     }
 

@@ -107,8 +107,8 @@ mod tests {
         let ticks: Vec<&str> = legend.ticks.iter().map(|(_, label)| label.as_str()).collect();
         assert_eq!(ticks, ["0", "80", "100", "150"]);
         let words: Vec<&str> = legend.words.iter().map(|(_, word)| *word).collect();
-        assert_eq!(words, ["usual", "high", "very high"]);
-        for ((strain, knee), word) in [(tight, "very high"), (normal, "usual")] {
+        assert_eq!(words, ["reserve left", "little reserve", "no reserve"]);
+        for ((strain, knee), word) in [(tight, "no reserve"), (normal, "reserve left")] {
             let (scale, share) = (
                 Quantity::Strain.scale(strain, &[], SkinLimits::Reserve(knee.into())),
                 strain / knee,

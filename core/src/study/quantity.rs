@@ -238,7 +238,9 @@ mod tests {
             assert_eq!(word(Quantity::GreatestStrain, None, strain), expected);
         }
         // A skin with a reserve: 80 and 100 % of the strain at which its curve turns steep.
-        for (strain, expected) in [(0.159, "usual"), (0.161, "high"), (0.201, "very high")] {
+        for (strain, expected) in
+            [(0.159, "reserve left"), (0.161, "little reserve"), (0.201, "no reserve")]
+        {
             assert_eq!(word(Quantity::GreatestStrain, Some(0.2), strain), expected);
         }
         assert!(Quantity::ForceN.limits(SkinLimits::Tearing).is_none());

@@ -70,26 +70,26 @@ const STANDING: &str = "The stretch counts from the skin at rest. Standing alone
     places (39 women; Norris and others, BMJ Open Sport Exerc Med 6, 2020).";
 
 /// Greatest principal strain of the skin / strain at which this skin's curve turns steep \[-\]
-/// ([`Curve::knee`](crate::curve::Curve::knee)).
+/// ([`Curve::knee`](crate::curve::Curve::knee)). Its words name the reserve: those of [`STRAIN`] are of other stretches.
 pub static RESERVE: Limits = Limits {
     quantity: "share of the skin's reserve",
     unit: "",
     bands: Cow::Borrowed(&[
         Band {
             limit: Some(0.8),
-            word: "usual",
+            word: "reserve left",
             level: 0,
-            source: "Up to 80 % of the reserve usual: a convention of this program.",
+            source: "Up to 80 % of the reserve, reserve left: a convention of this program.",
         },
         Band {
             limit: Some(1.0),
-            word: "high",
+            word: "little reserve",
             level: 1,
-            source: "80–100 % high, above very high. The reserve is the stretch at which this skin gets twice as stiff as at \
+            source: "80–100 % little reserve, above no reserve. The reserve is the stretch at which this skin gets twice as stiff as at \
                 rest: from there each further millimetre costs more and more stress (curve of skin in vivo: Hendriks 2005, as in \
                 Nikolaev 2013). The class of the skin sets the reserve within a factor of 2 (1 standard deviation).",
         },
-        Band { limit: None, word: "very high", level: 2, source: "" },
+        Band { limit: None, word: "no reserve", level: 2, source: "" },
     ]),
     note: STANDING,
 };
@@ -308,6 +308,16 @@ mod tests {
         assert_eq!(strains[2..4], ["high", "very high"]);
         assert_eq!(strains[4..], ["very high", "beyond"]);
         assert_eq!([60.0, 60.1, 80.1].map(pressure_word), ["usual", "high", "very high"]);
+    }
+
+    #[test]
+    fn a_word_of_the_reserve_is_no_word_of_another_stretch() {
+        let practice = PracticeStretch { less: 0.19, same: 0.21, more: 0.23 }.limits();
+        for band in RESERVE.bands.iter() {
+            assert!(
+                STRAIN.bands.iter().chain(practice.bands.iter()).all(|it| it.word != band.word)
+            );
+        }
     }
 
     #[test]

@@ -16,12 +16,17 @@ use std::borrow::Cow;
 const MOST_PRESSURE: f64 = 100.0;
 /// Share of the sampled patients without an answer above which a band is open at its worse end \[-\].
 const OPEN_ABOVE: f64 = 0.05;
+/// Why a volume of practice is above practice.
+const ABOVE_BY_SHAPE: &str =
+    "Practice's volume in another shape: as a round implant it stretches the skin less.";
 
 /// Words and figures of a card.
 pub(super) struct Card {
     pub(super) title: &'static str,
     /// The figure with its unit.
     pub(super) figure: String,
+    /// The range of the sampled patients in brackets, with a space behind it; empty without it.
+    pub(super) brackets: String,
     /// Words beside the figure.
     pub(super) beside: String,
     /// Short name and figure for the phone's row.
@@ -174,7 +179,11 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
     let of_practice = answer.practice().map(|(practice, ml)| (practice.same, ml));
     let words = match (answer.against, answer.reserve, of_practice) {
         (_, _, Some((strain, ml))) => {
-            tr!("practice's {ml:.0} ml: {percent:.0} %", ml, percent = 100.0 * strain)
+            let percent = 100.0 * strain;
+            match answer.has_other_shape {
+                true => tr!("practice's {ml:.0} ml, round: {percent:.0} %", ml, percent),
+                false => tr!("practice's {ml:.0} ml: {percent:.0} %", ml, percent),
+            }
         }
         (Against::Skin(_), Some(share), _) => {
             tr!("longer: {share:.0} % of its reserve", share = 100.0 * share)
@@ -182,6 +191,7 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         _ => tr("longer, at most").to_owned(),
     };
     let line = match of_practice {
+        Some(_) if answer.is_above_by_shape() => tr(ABOVE_BY_SHAPE).to_owned(),
         Some(_) => tr("Longer than at rest, where the skin is stretched most.").to_owned(),
         None => line,
     };
@@ -190,10 +200,11 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
     let range = sampled.range(Quantity::GreatestStrain);
     let verdict = |value| in_words(limits.verdict(value));
     Card {
-        title: title(answer, "Skin stretch", "Stretch if filled at once"),
+        title: title(answer, "Skin stretch", "Stretch, at once"),
         short: (title(answer, "Stretch", "Stretch, at once"), figure.clone()),
         figure,
         beside: format!("{brackets}{words}"),
+        brackets,
         verdict: word,
         no_verdict: if is_waiting { "…" } else { "" },
         shares: match (answer.against, is_reserve) {
@@ -229,7 +240,12 @@ fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> 
         title: tr("Cover over implant"),
         short: (tr("Cover"), text_of(answer.cover, |v| format!("{} mm", fixed(v, 1)))),
         figure: text_of(answer.cover, |v| format!("{} mm", fixed(v, 1))),
-        beside: tr!("{brackets}at least; {rest:.1} at rest", brackets, rest = answer.rest),
+        beside: tr!(
+            "{brackets}at least; {rest:.1} at rest",
+            brackets = &brackets,
+            rest = answer.rest
+        ),
+        brackets,
         verdict: word,
         no_verdict: tr("not thin"),
         shares: sampled.shares(Quantity::LeastCoverMm, |mm| {
@@ -256,10 +272,11 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
     });
     let brackets = sampled.brackets(Quantity::GreatestPressureMmhg, false);
     Card {
-        title: title(answer, "Pressure on the tissue", "Pressure if filled at once"),
+        title: title(answer, "Pressure on the tissue", "Pressure, at once"),
         short: (title(answer, "Pressure", "Pressure, at once"), figure.clone()),
         figure,
-        beside: tr!("{brackets}at most", brackets),
+        beside: tr!("{brackets}at most", brackets = &brackets),
+        brackets,
         verdict: word,
         no_verdict: "",
         shares: sampled.shares(Quantity::GreatestPressureMmhg, pressure_verdict),
@@ -284,7 +301,7 @@ mod tests {
     use crate::measure::bands::PracticeStretch;
     use crate::scene::Scene;
     use crate::session::Session;
-    use crate::study::NoPractice;
+    use crate::study::{NoPractice, Parameter, with_values};
 
     #[test]
     fn the_card_names_practices_volume_and_strain_and_marks_it_on_the_bar() {
@@ -299,6 +316,31 @@ mod tests {
         let BarScale::Bands { limits, mark, .. } = card.scale else { panic!("no limits") };
         assert_eq!(mark, Some((0.21, "practice 21 %".to_owned())));
         assert_eq!(limits, practice.limits());
+    }
+
+    #[test]
+    fn a_volume_of_practice_above_practice_has_the_shape_as_its_reason() {
+        let mut scene = Scene::opening();
+        let lines = |scene: &Scene, strain: f64| {
+            let session = Session::new(scene.clone()).unwrap();
+            let practice = PracticeStretch { less: 0.17, same: 0.19, more: 0.21 };
+            let practices = Practices::of_known(scene.clone(), Ok(practice));
+            let mut answer = Answer::new(None, scene, session.problem(), &practices);
+            answer.strain = Some(strain);
+            let [card, ..] = cards(&answer, None);
+            (card.beside, card.line == ABOVE_BY_SHAPE)
+        };
+        let with_volume =
+            |scene: &Scene, ml| with_values(scene, &[(Parameter::Volume, ml)]).unwrap();
+        let round = with_volume(&scene, 315.0);
+        assert_eq!(lines(&round, 0.22), ("practice's 300 ml: 19 %".to_owned(), false));
+        scene.implant.base_height_mm = Some(108.0);
+        scene.implant.apex_shift_mm = 11.0;
+        let anatomical = |ml| with_volume(&scene, ml);
+        let beside = "practice's 300 ml, round: 19 %".to_owned();
+        assert_eq!(lines(&anatomical(315.0), 0.22), (beside.clone(), true));
+        assert_eq!(lines(&anatomical(315.0), 0.20), (beside.clone(), false));
+        assert_eq!(lines(&anatomical(345.0), 0.22), (beside, false));
     }
 
     #[test]

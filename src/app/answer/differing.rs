@@ -3,6 +3,7 @@
 //!
 //! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
 
+use crate::app::plan::device::Device;
 use crate::app::plan::{chest_in_words, shape_in_words};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
@@ -24,15 +25,17 @@ struct Given {
 #[derive(Clone, Copy)]
 enum Value {
     Words(fn(&Scene) -> String),
+    /// The shape, that of an expander under its name.
+    Shape,
     Number(Field),
 }
 
-use Value::{Number, Words};
+use Value::{Number, Shape, Words};
 
 const GIVEN: [Given; 9] = [
     Given { name: "Breast", unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
-    Given { name: "Shape", unit: "", value: Words(shape_in_words), is_in_captions: false },
+    Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
     Given { name: "Skin", unit: "", value: Words(skin), is_in_captions: true },
     Given { name: "Pinch", unit: "cm", value: Number(Field::Pinch), is_in_captions: true },
     Given {
@@ -93,9 +96,13 @@ impl Given {
         Self { name: number.label, unit: number.scale.unit, value, is_in_captions: false }
     }
 
-    fn of_scene(&self, scene: &Scene) -> String {
+    fn of_scene(&self, scene: &Scene, device: Device) -> String {
         match self.value {
             Words(words) => words(scene),
+            Shape if device == Device::Expander && scene.implant.is_round() => {
+                tr("expander").to_owned()
+            }
+            Shape => shape_in_words(scene),
             Number(number) => {
                 let decimals = number.scale.decimals;
                 let text = |value| format_at_most(value, decimals, decimals.max(2));
@@ -106,35 +113,36 @@ impl Given {
 }
 
 /// The values that differ between the plan and its pins.
-fn differing(session: &Session) -> impl Iterator<Item = Given> {
+fn differing(session: &Session, device: Device) -> impl Iterator<Item = Given> {
     let differs = move |given: &Given| {
-        let own = given.of_scene(session.scene());
-        session.pins().iter().any(|pin| given.of_scene(pin.scene()) != own)
+        let own = given.of_scene(session.scene(), device);
+        session.pins().iter().any(|pin| given.of_scene(pin.scene(), device) != own)
     };
     GIVEN.into_iter().chain(Field::PLAIN.map(Given::of)).filter(differs)
 }
 
 /// The values that differ, a row each: the name with the unit, then the plan's value and those of the pins.
-pub(crate) fn rows(session: &Session) -> Vec<(String, Vec<String>)> {
+pub(crate) fn rows(session: &Session, device: Device) -> Vec<(String, Vec<String>)> {
     let row = |given: Given| {
         let name = match given.unit {
             "" => tr(given.name).to_owned(),
             unit => format!("{}, {unit}", tr(given.name)),
         };
         let scenes = [session.scene()].into_iter().chain(session.pins().iter().map(Pin::scene));
-        (name, scenes.map(|scene| given.of_scene(scene)).collect())
+        (name, scenes.map(|scene| given.of_scene(scene, device)).collect())
     };
-    differing(session).map(row).collect()
+    differing(session, device).map(row).collect()
 }
 
 /// The values that differ, as words about a scene of the session: "Skin tight, pinch 2.5 cm"; empty if none differs.
-pub(crate) fn in_words(session: &Session) -> impl Fn(&Scene) -> String {
-    let given: Vec<Given> = differing(session).filter(|given| given.is_in_captions).collect();
+pub(crate) fn in_words(session: &Session, device: Device) -> impl Fn(&Scene) -> String {
+    let given: Vec<Given> =
+        differing(session, device).filter(|given| given.is_in_captions).collect();
     move |scene| {
         let words = given.iter().enumerate().map(|(k, given)| {
             let name = tr(given.name);
             let name = if k == 0 { name.to_owned() } else { name.to_lowercase() };
-            format!("{name} {} {}", given.of_scene(scene), given.unit).trim_end().to_owned()
+            format!("{name} {} {}", given.of_scene(scene, device), given.unit).trim_end().to_owned()
         });
         words.collect::<Vec<_>>().join(", ")
     }
@@ -158,21 +166,21 @@ mod tests {
         scene.apply_patient(tight).unwrap();
         let mut session = Session::new(scene.clone()).unwrap();
         session.apply(Command::Pin).unwrap();
-        assert!(rows(&session).is_empty());
+        assert!(rows(&session, Device::Implant).is_empty());
         // A size of the shelf has its name.
         scene.implant_reference = "RD-275 · 275 cc".to_owned();
         let named = Command::Edit { scene: Box::new(scene.clone()), gesture: 2 };
         session.apply(named).unwrap();
         let names = ["RD-275 · 275 cc", "–"].map(str::to_owned).to_vec();
-        assert_eq!(rows(&session), [("Implant".to_owned(), names)]);
+        assert_eq!(rows(&session, Device::Implant), [("Implant".to_owned(), names)]);
         session.apply(Command::Undo).unwrap();
         scene.implant_reference.clear();
         // Another size is in the rows of the table.
         scene.implant.projection_mm = 52.0;
         let edit = |scene: &Scene| Command::Edit { scene: Box::new(scene.clone()), gesture: 1 };
         session.apply(edit(&scene)).unwrap();
-        assert!(rows(&session).is_empty());
-        assert_eq!(in_words(&session)(session.scene()), "");
+        assert!(rows(&session, Device::Implant).is_empty());
+        assert_eq!(in_words(&session, Device::Implant)(session.scene()), "");
         let lax = Measurements { skin_class: Some(SkinClass::Lax), ..tight };
         scene.apply_patient(lax).unwrap();
         scene.pocket_radius_mm += 5.0;
@@ -183,39 +191,45 @@ mod tests {
         let row =
             |name: &str, values: [&str; 2]| (name.to_owned(), values.map(str::to_owned).to_vec());
         assert_eq!(
-            rows(&session),
+            rows(&session, Device::Implant),
             [row("Skin", ["lax", "tight"]), row("Margin of the pocket, cm", [&own, &pinned])]
         );
-        let words = in_words(&session)(session.pins()[0].scene());
+        let words = in_words(&session, Device::Implant)(session.pins()[0].scene());
         assert_eq!(words, format!("Skin tight, margin of the pocket {pinned} cm"));
         // An anatomical implant has its height beside its width in the captions.
         scene.implant.base_height_mm = Some(108.0);
         session.apply(edit(&scene)).unwrap();
         let shapes = ["anatomical, 10.8 cm high", "round"];
-        assert_eq!(rows(&session)[0], row("Shape", shapes));
+        assert_eq!(rows(&session, Device::Implant)[0], row("Shape", shapes));
+        let shapes = ["anatomical, 10.8 cm high", "expander"];
+        assert_eq!(rows(&session, Device::Expander)[0], row("Shape", shapes));
         scene.implant.base_height_mm = None;
         // A number without code of its own has a row as it has a name.
         scene.implant.fullness = Some(0.75);
         session.apply(edit(&scene)).unwrap();
-        assert!(rows(&session).contains(&row("Fullness", ["0.75", "0.67"])));
+        assert!(rows(&session, Device::Implant).contains(&row("Fullness", ["0.75", "0.67"])));
         scene.implant.fullness = None;
         // A pinch has its thicknesses.
         scene.apply_patient(Measurements { pinch_mm: Some(30.0), ..tight }).unwrap();
         scene.pocket_radius_mm -= 5.0;
         session.apply(edit(&scene)).unwrap();
-        let names: Vec<String> = rows(&session).into_iter().map(|(name, _)| name).collect();
+        let names: Vec<String> =
+            rows(&session, Device::Implant).into_iter().map(|(name, _)| name).collect();
         assert_eq!(names[0], "Pinch, cm");
         assert!(names.contains(&"Skin and fat at rest, mm".to_owned()), "{names:?}");
-        assert_eq!(in_words(&session)(session.scene()), "Pinch 3.0 cm");
+        assert_eq!(in_words(&session, Device::Implant)(session.scene()), "Pinch 3.0 cm");
         // Two pictures side by side are not two sides of a patient unless they say so.
         let of_side = |session: &mut Session, scene: &mut Scene, side| {
             scene.side = Some(side);
             session.apply(edit(scene)).unwrap();
         };
         of_side(&mut session, &mut scene, Side::Left);
-        assert_eq!(in_words(&session)(session.scene()), "Pinch 3.0 cm");
+        assert_eq!(in_words(&session, Device::Implant)(session.scene()), "Pinch 3.0 cm");
         session.apply(Command::Pin).unwrap();
         of_side(&mut session, &mut scene, Side::Right);
-        assert_eq!(in_words(&session)(session.scene()), "Breast right, pinch 3.0 cm");
+        assert_eq!(
+            in_words(&session, Device::Implant)(session.scene()),
+            "Breast right, pinch 3.0 cm"
+        );
     }
 }

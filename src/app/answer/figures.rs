@@ -2,10 +2,12 @@
 
 use super::practice::{Against, Practices};
 use crate::app::texts::{self, tr, word_of};
+use crate::clinical::STEP_ML;
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
 use crate::solve::Problem;
+use crate::study::{Parameter, has_shape_of_practice};
 
 /// Strain above which the share of the skin is shown \[-\], and its key in the result.
 pub(super) const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
@@ -20,6 +22,10 @@ pub(super) struct Answer {
     pub(super) against: Against,
     /// The volume that practice takes \[ml\], if the stretch is compared with practice.
     pub(super) practice_ml: Option<f64>,
+    /// Volume of the plan \[ml\].
+    volume_ml: Option<f64>,
+    /// Is the shape another one than that of practice's round implants?
+    pub(super) has_other_shape: bool,
     /// The limits of the bar, without a value too: the bar keeps its limits during a solve.
     pub(super) skin: SkinLimits,
     /// Fraction of the skin above [`SHARE_ABOVE`] \[-\].
@@ -67,6 +73,8 @@ impl Answer {
             reserve,
             against: practices.against(scene),
             practice_ml: practices.volume(scene).map(|volume| volume.volume_ml()),
+            volume_ml: Parameter::Volume.value(scene),
+            has_other_shape: !has_shape_of_practice(scene),
             skin: practices.skin(
                 scene,
                 match strain {
@@ -92,6 +100,15 @@ impl Answer {
     /// The strain of practice's volume \[-\] with that volume \[ml\].
     pub(super) fn practice(&self) -> Option<(PracticeStretch, f64)> {
         self.against.practice().zip(self.practice_ml)
+    }
+
+    /// Is the volume practice's, and the stretch above practice's, because the shape is another one?
+    pub(super) fn is_above_by_shape(&self) -> bool {
+        let (Some((practice, ml)), Some(volume)) = (self.practice(), self.volume_ml) else {
+            return false;
+        };
+        let is_above = self.strain.is_some_and(|strain| strain > practice.more);
+        self.has_other_shape && is_above && (volume - ml).abs() <= STEP_ML
     }
 
     /// Is the plan one of an expander? Its figures and words are those of a fill at once.
@@ -157,6 +174,8 @@ mod tests {
             reserve,
             against: Against::Skin(Some(NoPractice::Volume)),
             practice_ml: None,
+            volume_ml: None,
+            has_other_shape: false,
             skin: SkinLimits::Tearing,
             share: 0.0,
             cover: Some(cover),
@@ -172,7 +191,7 @@ mod tests {
             ),
             (
                 answer(0.09, Some(0.9), 7.2, 17.0),
-                "skin stretch high. Stretch 9 %, cover 7.2 mm, pressure 17 mmHg.",
+                "skin stretch little reserve. Stretch 9 %, cover 7.2 mm, pressure 17 mmHg.",
             ),
             (
                 answer(0.09, Some(0.3), 4.4, 17.0),
@@ -185,7 +204,7 @@ mod tests {
             // A skin with a reserve is judged by the reserve alone, another one by its strain.
             (
                 answer(0.6, Some(0.9), 7.2, 17.0),
-                "skin stretch high. Stretch 60 %, cover 7.2 mm, pressure 17 mmHg.",
+                "skin stretch little reserve. Stretch 60 %, cover 7.2 mm, pressure 17 mmHg.",
             ),
             (
                 answer(0.6, None, 7.2, 90.0),
@@ -203,7 +222,7 @@ mod tests {
         assert_eq!(words(against(Against::Practice(practice))), "as practice. Stretch");
         assert_eq!(words(against(Against::Waiting)), "Stretch");
         let at_once = words(against(Against::Skin(None)));
-        assert_eq!(at_once, "if filled at once, skin stretch high. Stretch");
+        assert_eq!(at_once, "if filled at once, skin stretch little reserve. Stretch");
         let above = PracticeStretch { less: 0.1, same: 0.11, more: 0.12 };
         let above = words(against(Against::Practice(above)));
         assert_eq!(above, "skin stretch above practice. Stretch");

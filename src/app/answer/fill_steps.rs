@@ -38,8 +38,8 @@ const HEADS: [&str; 10] = [
     "Skin gained (cm²)",
     "Skin kept (cm²)",
 ];
-/// The word of the lowest bands, which the table on the screen leaves out.
-const LOWEST: &str = "usual";
+/// The words of the lowest bands, which the table on the screen leaves out.
+const LOWEST: [&str; 2] = ["usual", "reserve left"];
 /// The columns of words.
 const WORDS: [usize; 2] = [5, 7];
 
@@ -135,7 +135,11 @@ impl FillSteps {
         full_ml: f64,
         is_solved: bool,
     ) -> Option<Vec<Vec<String>>> {
-        ui.label(RichText::new(tr("Fill steps by week")).small().strong());
+        let title = match is_solved {
+            true => tr("Fill steps by week"),
+            false => tr("Fill steps by week (provisional, being computed)"),
+        };
+        ui.label(RichText::new(title).small().strong());
         self.fields(ui);
         let rows = self.rows(curve, full_ml);
         egui::ScrollArea::horizontal().id_salt("fill steps").show(ui, |ui| {
@@ -253,7 +257,8 @@ fn texts(
             }
             // The word of a value stands beside or below the value, unless it is that of the lowest band.
             let word = WORDS.contains(&(column + 1)).then(|| &row[column + 1]);
-            match word.filter(|word| !["–", tr(LOWEST)].contains(&word.as_str())) {
+            let is_left_out = |word: &str| word == "–" || LOWEST.map(tr).contains(&word);
+            match word.filter(|word| !is_left_out(word)) {
                 None => (cell.clone(), false),
                 Some(word) if is_narrow => (format!("{cell},\n{word}"), true),
                 Some(word) => (format!("{cell}, {word}"), true),
@@ -323,7 +328,7 @@ mod tests {
                 assert_eq!(cell.parse::<f64>().is_err(), is_word, "{column}: {cell}");
             }
         }
-        assert_ne!(rows[5][7], LOWEST);
+        assert!(!LOWEST.contains(&&*rows[5][7]));
         // Between two points on a line.
         let [a, b] = [2, 3].map(|i| curve.value(Quantity::SkinAreaGainCm2, i, 0).unwrap());
         assert_eq!(rows[3][8], format!("{:.0}", 0.5 * (a + b)));

@@ -116,7 +116,7 @@ pub(super) fn show_short(
             ui.spacing_mut().item_spacing.y = 0.0;
             let (name, figure) = card.short;
             let quiet = ui.visuals().weak_text_color();
-            ui.label(RichText::new(name).small().color(quiet));
+            ui.label(RichText::new(named_range(ui, name, &card.brackets)).small().color(quiet));
             ui.label(RichText::new(figure).strong());
             let (word, color) = match card.verdict {
                 Some((band, word)) => (word, band_color(ui, band)),
@@ -126,6 +126,14 @@ pub(super) fn show_short(
             ui.label(RichText::new(word).small().color(color));
         }
     });
+}
+
+/// The name of a figure with the range of the sampled patients, where both stand in one line.
+fn named_range(ui: &Ui, name: &str, brackets: &str) -> String {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let whole = format!("{name} {brackets}").trim_end().to_owned();
+    let width = ui.painter().layout_no_wrap(whole.clone(), font, egui::Color32::WHITE).size().x;
+    if width <= ui.available_width() { whole } else { name.to_owned() }
 }
 
 /// The cards of a device in words: title, figure, word, further line.

@@ -225,7 +225,7 @@ mod tests {
         map.receive(index, cases, &mut store);
         let shown = lines(judged(&map), 0, 0, first);
         let strain = map.value(first, 0, 0).unwrap();
-        assert_eq!(shown[0], format!("Skin stretch: {:.0} %, usual", 100.0 * strain));
+        assert_eq!(shown[0], format!("Skin stretch: {:.0} %, reserve left", 100.0 * strain));
         let cover = map.value(Quantity::LeastCoverMm, 0, 0).unwrap();
         assert!(shown.contains(&format!("Least cover: {cover:.1} mm")), "{shown:?}");
         assert_eq!(shown.len(), quantities().count());
@@ -237,7 +237,7 @@ mod tests {
         );
         // In short: the size, the worst of the three, the colour's quantity.
         let short_of = |quantity| short(judged(&map), 0, 0, quantity);
-        let stretch = format!("Skin stretch: {:.0} %, usual", 100.0 * strain);
+        let stretch = format!("Skin stretch: {:.0} %, reserve left", 100.0 * strain);
         let size = "Width 10 cm, projection 3 cm, 157 ml".to_owned();
         assert_eq!(short_of(first), [size.clone(), stretch.clone()]);
         let of_force = format!("Force, vertical: {force:.1} N");
@@ -245,7 +245,7 @@ mod tests {
         assert_eq!(short(judged(&map), 1, 1, first)[1], "No answer: a defect.");
         let words = sentence(judged(&map), 0, 0, first);
         assert!(words.starts_with("Width 10 cm, projection 3 cm: Skin stretch: "), "{words}");
-        assert!(words.contains(" percent, usual; ") && words.ends_with('.'), "{words}");
+        assert!(words.contains(" percent, reserve left; ") && words.ends_with('.'), "{words}");
         assert_eq!(lines(judged(&map), 1, 1, first)[0], "No answer: a defect.");
     }
 

@@ -3,6 +3,7 @@
 use crate::app::answer::details::{figures, known_decimals, position_error};
 use crate::app::answer::differing;
 use crate::app::answer::practice::{Against, Practices};
+use crate::app::plan::device::Device;
 use crate::app::texts::{MOST_PRESSURE, fixed, mmhg, pressures, tr, word_of};
 use crate::app::widgets::theme::SPACE_SMALL;
 use crate::measure::{Outcome, Status, bands};
@@ -19,6 +20,8 @@ struct Row {
     value: Value,
     /// The word of a result, that of the cards.
     word: Option<fn(&Outcome, Against) -> Option<&'static str>>,
+    /// What the name means; empty for a plain one.
+    about: &'static str,
 }
 
 /// The value of a row.
@@ -41,7 +44,10 @@ const ROWS: [Row; 11] = [
         }),
         ..Row::new("Most stretch", "%", 0, Value::Result(Quantity::GreatestStrain))
     },
-    Row::new("Reserve used", "%", 0, Value::Result(Quantity::SkinReserveUsed)),
+    Row {
+        about: "The reserve is the stretch at which this skin gets twice as stiff as at rest.",
+        ..Row::new("Skin's reserve used", "%", 0, Value::Result(Quantity::SkinReserveUsed))
+    },
     Row {
         word: Some(|outcome, _| bands::cover(outcome.cover_mm?.least).map(|(_, word)| tr(word))),
         ..Row::new("Least cover", "mm", 1, Value::Result(Quantity::LeastCoverMm))
@@ -67,7 +73,7 @@ const FIRST: [&str; 4] = ["Volume", "Most stretch", "Least cover", "Most pressur
 
 impl Row {
     const fn new(name: &'static str, unit: &'static str, decimals: usize, value: Value) -> Self {
-        Self { name, unit, decimals, value, word: None }
+        Self { name, unit, decimals, value, word: None, about: "" }
     }
 
     /// The value of a converged result.
@@ -143,6 +149,8 @@ struct Entry {
 /// A row of the table as texts.
 struct Line {
     name: String,
+    /// What the name means, in the present language; empty for a plain one.
+    about: &'static str,
     cells: Vec<Cell>,
     /// Is the row in sight without unfolding?
     is_first: bool,
@@ -180,18 +188,19 @@ fn lines<'a>(
             }
         }
         let name = format!("{}, {}", tr(row.name), row.unit);
-        Line { name, cells, is_first: FIRST.contains(&row.name) }
+        let about = if row.about.is_empty() { "" } else { tr(row.about) };
+        Line { name, about, cells, is_first: FIRST.contains(&row.name) }
     };
     ROWS.iter().map(line).collect()
 }
 
 /// What differs beside the numbers, as lines: "Skin: this plan lax; A tight".
-fn words(session: &Session) -> impl Iterator<Item = String> {
+fn words(session: &Session, device: Device) -> impl Iterator<Item = String> {
     let heads: Vec<String> = [tr("this plan").to_owned()]
         .into_iter()
         .chain(session.pins().iter().map(|pin| pin.letter().to_string()))
         .collect();
-    differing::rows(session).into_iter().map(move |(name, values)| {
+    differing::rows(session, device).into_iter().map(move |(name, values)| {
         let values: Vec<String> =
             heads.iter().zip(values).map(|(head, value)| format!("{head} {value}")).collect();
         format!("{name}: {}", values.join("; "))
@@ -216,14 +225,14 @@ pub(super) fn show<'a>(
             heads.push((format!("− {letter}"), tip));
         }
     }
-    for line in words(session) {
+    for line in words(session, practices.device()) {
         ui.add(egui::Label::new(RichText::new(line).small()).wrap());
     }
     let lines = lines(session, has_differences, sampled, practices);
     let columns = Columns::fitting(ui, &heads, &lines);
     egui::ScrollArea::horizontal().id_salt("comparison").show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(columns.space, 3.0);
-        columns.row(ui, "", heads.iter(), |ui, (head, tip)| {
+        columns.row(ui, ["", ""], heads.iter(), |ui, (head, tip)| {
             let head = ui.add(egui::Label::new(RichText::new(head).strong()).extend());
             if !tip.is_empty() {
                 head.on_hover_text(tip);
@@ -231,12 +240,12 @@ pub(super) fn show<'a>(
         });
         let (first, further): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|it| it.is_first);
         for line in first {
-            columns.row(ui, &line.name, line.cells.iter(), cell);
+            columns.row(ui, [&line.name, line.about], line.cells.iter(), cell);
         }
         let fold = egui::CollapsingHeader::new(tr("More numbers")).id_salt("further rows");
         fold.show_unindented(ui, |ui| {
             for line in further {
-                columns.row(ui, &line.name, line.cells.iter(), cell);
+                columns.row(ui, [&line.name, line.about], line.cells.iter(), cell);
             }
         });
         // Room for the scroll bar.
@@ -282,18 +291,21 @@ impl Columns {
         Self { name, space: room(name).min(most).max(least), cells }
     }
 
-    /// Shows a row: the name on the line of the numbers, the cells aligned to the right.
+    /// Shows a row: the name with what it means on the line of the numbers, the cells aligned to the right.
     fn row<T>(
         &self,
         ui: &mut Ui,
-        name: &str,
+        [name, about]: [&str; 2],
         cells: impl Iterator<Item = T>,
         show: impl Fn(&mut Ui, T),
     ) {
         let height = ui.text_style_height(&TextStyle::Monospace);
         let label = |ui: &mut Ui| {
             if !name.is_empty() {
-                ui.add(egui::Label::new(RichText::new(name).small()).extend());
+                let name = ui.add(egui::Label::new(RichText::new(name).small()).extend());
+                if !about.is_empty() {
+                    name.on_hover_text(about);
+                }
             }
         };
         if self.name <= 0.0 {
@@ -366,8 +378,9 @@ pub(crate) fn rows<'a>(
         let cells = line.cells.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
         (line.name, cells.map(|(of, _)| cell(of)).collect())
     };
+    let device = practices.device();
     // A value that is a word stands with the words.
-    let given = differing::rows(session).into_iter().map(|(name, values)| {
+    let given = differing::rows(session, device).into_iter().map(|(name, values)| {
         let values = values.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
         let cells = values.map(|(text, _)| match is_number(&text) {
             true => [text, String::new()],
@@ -455,7 +468,10 @@ mod tests {
         // The reserve decides, not the strain alone.
         assert!(band > 0 && bands::strain_word(strain) == "usual", "{strain} {reserve}");
         assert_eq!(cell("Most stretch, %"), [format!("{:.0}", 100.0 * strain), word.to_owned()]);
-        assert_eq!(cell("Reserve used, %"), [format!("{:.0}", 100.0 * reserve), String::new()]);
+        assert_eq!(
+            cell("Skin's reserve used, %"),
+            [format!("{:.0}", 100.0 * reserve), String::new()]
+        );
         assert_eq!(cell("Most pressure, mmHg")[1], "usual", "{rows:?}");
         // A pin of this plan is its column.
         session.apply(Command::Pin).unwrap();

@@ -69,6 +69,11 @@ impl Practices {
         &self.table
     }
 
+    /// What is implanted in all plans.
+    pub(crate) fn device(&self) -> Device {
+        self.device
+    }
+
     /// Replaces the table.
     pub(crate) fn set_table(&mut self, table: PracticeTable) {
         self.table = table;

@@ -3,6 +3,7 @@
 use super::marks::Marked;
 use super::{CURRENT, Drawn, Shown, Viewport, colouring, of_legend, overlay, section_of};
 use crate::app::answer::differing;
+use crate::app::plan::device::Device;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
 use crate::scene::Scene;
@@ -101,7 +102,7 @@ impl Viewport {
             pocket_line: options.has_pocket_line(),
         };
         // What differs beside the size, in a line below the title.
-        let differs = differing::in_words(session);
+        let differs = differing::in_words(session, Device::of(ui.ctx()));
         let caption = |title: String, scene: &Scene| match differs(scene) {
             words if words.is_empty() => title,
             words => format!("{title}\n{words}"),
