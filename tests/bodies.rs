@@ -90,14 +90,7 @@ fn the_shape_over_a_lower_apex_converges_at_second_order() {
 
 #[test]
 fn random_bodies_converge_by_multigrid() {
-    let clinical = Clinical {
-        fat_poisson_ratio: 0.49,
-        fat_rate: None,
-        has_chest: false,
-        has_terrain: true,
-        nodes_per_side: 33,
-        measures_errors: false,
-    };
+    let clinical = Clinical { has_terrain: true, nodes_per_side: 33, ..Clinical::default() };
     let cases: Vec<_> = (0..24).map(|case| clinical.run(7, case, None)).collect();
     let summary = ClinicalSummary::new(7, clinical, &cases);
     assert!(summary.all_converged() && summary.by_multigrid == 24, "{:?}", summary.worst);

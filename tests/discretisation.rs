@@ -31,11 +31,8 @@ fn patient(case: u64) -> Scene {
     let nodes_per_side = if case.is_multiple_of(2) { 33 } else { 65 };
     let clinical = Clinical {
         fat_poisson_ratio: [0.45, 0.49, 0.495][case as usize % 3],
-        fat_rate: None,
-        has_chest: false,
-        has_terrain: false,
         nodes_per_side,
-        measures_errors: false,
+        ..Clinical::default()
     };
     let mut scene = clinical.scene(11, case);
     if case.is_multiple_of(3) {

@@ -329,6 +329,7 @@ mod tests {
         let error = Scene::from_json(&text).unwrap_err().to_string();
         assert!(error.starts_with("chest: both radii and a grid"), "{error}");
     }
+
     /// A hollow is deep or not by the tissue in it.
     #[test]
     fn the_limit_of_a_hollow_is_that_of_the_tissue_at_its_place() {

@@ -59,6 +59,20 @@ pub struct Clinical {
     pub measures_errors: bool,
 }
 
+/// Patients on a flat wall, at 65 nodes per side.
+impl Default for Clinical {
+    fn default() -> Self {
+        Self {
+            fat_poisson_ratio: 0.49,
+            fat_rate: None,
+            has_chest: false,
+            has_terrain: false,
+            nodes_per_side: 65,
+            measures_errors: false,
+        }
+    }
+}
+
 /// Tolerance of the solution that errors are measured against \[base radius\].
 pub const FINE_TOLERANCE: f64 = 1e-5;
 
@@ -252,14 +266,7 @@ mod tests {
     #[test]
     fn every_scene_is_valid_and_within_the_distributions() {
         for (fat_rate, has_chest) in [(None, false), (Some(10.0), false), (None, true)] {
-            let clinical = Clinical {
-                fat_poisson_ratio: 0.49,
-                fat_rate,
-                has_chest,
-                has_terrain: false,
-                nodes_per_side: 65,
-                measures_errors: false,
-            };
+            let clinical = Clinical { fat_rate, has_chest, ..Clinical::default() };
             let flat = Clinical { has_chest: false, ..clinical };
             let mut counts = [0; 4];
             for case in 0..500 {
@@ -287,16 +294,10 @@ mod tests {
             );
         }
     }
+
     #[test]
     fn a_body_has_a_wall_with_bumps_and_a_mound() {
-        let clinical = Clinical {
-            fat_poisson_ratio: 0.49,
-            fat_rate: None,
-            has_chest: false,
-            has_terrain: true,
-            nodes_per_side: 33,
-            measures_errors: false,
-        };
+        let clinical = Clinical { has_terrain: true, nodes_per_side: 33, ..Clinical::default() };
         let scenes: Vec<Scene> = (0..60).map(|case| clinical.scene(7, case)).collect();
         assert!(scenes.iter().all(|scene| scene.validate().is_ok()));
         assert!(scenes.iter().all(|scene| scene.chest_grid.is_some()));

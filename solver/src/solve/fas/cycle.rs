@@ -9,7 +9,7 @@
 //!    other nodes stay one-sided.
 //! 3. Solve the coarse problem: by steps 1 to 5, on the coarsest grid by smoothing alone.
 //! 4. Correct: u ← u + P (u_coarse − û), along the dome at active nodes; in layered tissue scaled to the least energy up to the first
-//!    grid, whose coarser grid has no contact to speak of, and once a cycle of the grid being solved was slow (W. Hackbusch
+//!    grid, whose coarser grid is too coarse for the contact, and once a cycle of the grid being solved was slow (W. Hackbusch
 //!    and A. Reusken, Numer. Math. 55, 1989).
 //! 5. Smooth as in step 1, with each ω of `smoothing.after`.
 //!

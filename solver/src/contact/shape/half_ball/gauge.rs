@@ -83,52 +83,35 @@ impl<R: Real> HalfBallGauge<R> {
         })
     }
 
-    /// [`Gauge::way_to`] of a leaning dome: along the image of the half-ball's ray from the apex's foot, or upright.
+    /// [`Gauge::way_to`] of a leaning dome or one with a map of heights, from a place about the apex's foot and the square of its length in
+    /// the base: along the image of the half-ball's ray, or upright.
     #[inline(never)]
-    fn leaning_way(&self, leaning: &Leaning<R>, p: [R; 3], length: R, to: R) -> [R; 3] {
+    fn way_from(&self, place: [R; 2], flat: R, z: R, length: R, to: R) -> [R; 3] {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let foot = [p[0], p[1] + leaning.shift];
-        let flat = leaning.length(foot);
         let factor = to / length.max(R::splat(LEAST_LENGTH));
-        let left = to * to - flat * flat;
+        let left = to * to - flat;
         let rise = |source: R| {
             let height = self.fullness.as_ref().map_or(source, |fullness| fullness.image(source));
-            height / self.per_axis[2] - p[2]
+            height / self.per_axis[2] - z
         };
         let upright = rise(left.max(zero).sqrt());
-        let along = rise(factor * self.height(p[2]).0);
-        let ray = [foot[0] * (factor - one), foot[1] * (factor - one), along];
-        let most = R::select(left.is_above(zero), dot(ray, ray), zero);
-        let is_upright = most.is_above(upright * upright);
-        [
-            R::select(is_upright, zero, ray[0]),
-            R::select(is_upright, zero, ray[1]),
-            R::select(is_upright, upright, ray[2]),
-        ]
+        let along = rise(factor * self.height(z).0);
+        let [across, down] = place.map(|way| way * (factor - one));
+        shorter([across, down, along], upright, left)
     }
+}
 
-    /// [`Gauge::way_to`] with a map of heights: along the image of the half-ball's ray, or along the axis.
-    #[inline(never)]
-    fn way_of_fullness(&self, fullness: &Fullness<R>, p: [R; 3], length: R, to: R) -> [R; 3] {
-        let zero = R::splat(0.0);
-        let [x, y, z] = self.linear(p);
-        let factor = to / length.max(R::splat(LEAST_LENGTH));
-        let left = to * to - x * x - y * y;
-        // Sources and heights of both ends.
-        let rise = |height: R| (height - z) / self.per_axis[2];
-        let upright = rise(fullness.image(left.max(zero).sqrt()));
-        let along = rise(fullness.image(factor * fullness.source(z).0));
-        let [across, down] =
-            [x / self.per_axis[0], y / self.per_axis[1]].map(|way| way * (factor - R::splat(1.0)));
-        let ray = [across, down, along];
-        let most = R::select(left.is_above(zero), dot(ray, ray), zero);
-        let is_upright = most.is_above(upright * upright);
-        [
-            R::select(is_upright, zero, ray[0]),
-            R::select(is_upright, zero, ray[1]),
-            R::select(is_upright, upright, ray[2]),
-        ]
-    }
+/// The way along a ray or upright, whichever is shorter; along the ray where nothing is `left` for an upright way.
+#[inline(always)]
+fn shorter<R: Real>(ray: [R; 3], upright: R, left: R) -> [R; 3] {
+    let zero = R::splat(0.0);
+    let most = R::select(left.is_above(zero), dot(ray, ray), zero);
+    let is_upright = most.is_above(upright * upright);
+    [
+        R::select(is_upright, zero, ray[0]),
+        R::select(is_upright, zero, ray[1]),
+        R::select(is_upright, upright, ray[2]),
+    ]
 }
 
 impl<R: Real> Gauge<R> for HalfBallGauge<R> {
@@ -205,10 +188,13 @@ impl<R: Real> Gauge<R> for HalfBallGauge<R> {
     #[inline(always)]
     fn way_to(&self, p: [R; 3], length: R, to: R) -> [R; 3] {
         if let Some(leaning) = &self.leaning {
-            return self.leaning_way(leaning, p, length, to);
+            let place = [p[0], p[1] + leaning.shift];
+            let flat = leaning.length(place);
+            return self.way_from(place, flat * flat, p[2], length, to);
         }
-        if let Some(fullness) = &self.fullness {
-            return self.way_of_fullness(fullness, p, length, to);
+        if self.fullness.is_some() {
+            let [x, y, _] = self.linear(p);
+            return self.way_from([p[0], p[1]], x * x + y * y, p[2], length, to);
         }
         let zero = R::splat(0.0);
         let ray = (to - length) / length.max(R::splat(LEAST_LENGTH));
