@@ -7,15 +7,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The modules from left to right, as in ARCHITECTURE.md; of charts, lab and view the crate.
-const ORDER: [&str; 21] = [
-    "number", "curve", "springs", "mesh", "contact", "model", "solve", "measure", "export",
+/// The modules from left to right, as in ARCHITECTURE.md; of body, charts, lab and view the crate.
+const ORDER: [&str; 22] = [
+    "number", "curve", "springs", "mesh", "contact", "model", "solve", "measure", "export", "body",
     "table", "tensile", "clinical", "scene", "simulate", "study", "session", "charts", "lab",
     "view", "app", "platform",
 ];
 
 /// The sources of the crates, from left to right.
-const CRATES: [&str; 6] = ["solver/src", "core/src", "charts/src", "lab/src", "view/src", "src"];
+const CRATES: [&str; 7] = ["solver/src", "body/src", "core/src", "charts/src", "lab/src", "view/src", "src"];
 
 /// All files of all crates.
 fn all_files() -> Vec<PathBuf> {
@@ -26,7 +26,7 @@ fn all_files() -> Vec<PathBuf> {
     found
 }
 
-/// The path of a file in its crate's `src`, of charts, lab and view in the crate's name.
+/// The path of a file in its crate's `src`, of body, charts, lab and view in the crate's name.
 fn inside(path: &Path) -> PathBuf {
     let root = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap();
     let source = CRATES.into_iter().find(|source| root.starts_with(source)).unwrap();
@@ -59,7 +59,7 @@ fn code_of(module: &str, text: &str) -> String {
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
     let code: String = lines.collect::<Vec<_>>().join(" ");
     let own = match module.split("::").next() {
-        Some(name @ ("charts" | "lab" | "view")) => format!("crate::{name}::"),
+        Some(name @ ("body" | "charts" | "lab" | "view")) => format!("crate::{name}::"),
         _ => "crate::".to_owned(),
     };
     code.replace("crate::", &own)
