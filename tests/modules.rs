@@ -15,7 +15,8 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The sources of the crates, from left to right.
-const CRATES: [&str; 7] = ["solver/src", "body/src", "core/src", "charts/src", "lab/src", "view/src", "src"];
+const CRATES: [&str; 7] =
+    ["solver/src", "body/src", "core/src", "charts/src", "lab/src", "view/src", "src"];
 
 /// All files of all crates.
 fn all_files() -> Vec<PathBuf> {

@@ -5,8 +5,122 @@ use glam::DVec3;
 /// A triangulated surface \[mm\], counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
+    /// Positions of the vertices \[mm\].
     pub positions: Vec<DVec3>,
+    /// Vertex indices of the triangles.
     pub triangles: Vec<[u32; 3]>,
     /// sRGB of each vertex, where the file has colours.
     pub colors: Option<Vec<[u8; 3]>>,
+}
+
+impl Surface {
+    /// The corners of a triangle \[mm\].
+    #[must_use]
+    pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
+        triangle.map(|k| self.positions[k as usize])
+    }
+
+    /// The first vertex at the position of each vertex: equal vertices have equal entries. Positions are finite.
+    #[must_use]
+    pub fn weld(&self) -> Vec<u32> {
+        weld(&self.positions)
+    }
+
+    /// Number of parts that have no position in common.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        count_parts(&self.weld(), &self.triangles)
+    }
+
+    /// Volume between the surface and the centroid of its area \[mm³\]: positive where the triangles of a convex surface,
+    /// closed or open, are counter-clockwise seen from outside.
+    #[must_use]
+    pub fn signed_volume(&self) -> f64 {
+        let (mut area, mut moment) = (0.0, DVec3::ZERO);
+        for [a, b, c] in self.triangles.iter().map(|t| self.corners(*t)) {
+            let own = (b - a).cross(c - a).length();
+            area += own;
+            moment += (a + b + c) * own;
+        }
+        let centroid = moment / (3.0 * area.max(f64::MIN_POSITIVE));
+        let sum: f64 = self
+            .triangles
+            .iter()
+            .map(|t| self.corners(*t).map(|p| p - centroid))
+            .map(|[a, b, c]| a.dot(b.cross(c)))
+            .sum();
+        sum / 6.0
+    }
+
+    /// Area of the surface \[mm²\].
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let doubled = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+        self.triangles.iter().map(|t| doubled(self.corners(*t))).sum::<f64>() / 2.0
+    }
+
+    /// Exchanges inside and outside.
+    pub fn turn(&mut self) {
+        self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+
+    /// The least and the greatest coordinates of the vertices of triangles \[mm\]; `None` without a triangle.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        let mut corners = self.triangles.iter().flatten().map(|k| self.positions[*k as usize]);
+        let first = corners.next()?;
+        Some(corners.fold([first; 2], |[least, most], p| [least.min(p), most.max(p)]))
+    }
+}
+
+/// The first vertex at the position of each vertex; finite positions.
+pub(crate) fn weld(positions: &[DVec3]) -> Vec<u32> {
+    const EMPTY: u32 = u32::MAX;
+    let slots = (positions.len() * 3 / 2).next_power_of_two().max(2);
+    let mut table = vec![EMPTY; slots];
+    let first = |(k, position): (usize, &DVec3)| {
+        let mut slot = hash(*position, slots);
+        while table[slot] != EMPTY {
+            if positions[table[slot] as usize] == *position {
+                return table[slot];
+            }
+            slot = (slot + 1) % slots;
+        }
+        table[slot] = k as u32;
+        k as u32
+    };
+    positions.iter().enumerate().map(first).collect()
+}
+
+/// A slot of a position: multiplicative hashing; both zeros are one number.
+fn hash(position: DVec3, slots: usize) -> usize {
+    const FACTOR: u64 = 0x517c_c1b7_2722_0a95;
+    let mixed = position.to_array().into_iter().fold(0_u64, |sum, value| {
+        (sum.rotate_left(5) ^ (value + 0.0).to_bits()).wrapping_mul(FACTOR)
+    });
+    (mixed >> (64 - slots.trailing_zeros())) as usize
+}
+
+/// Number of connected parts of triangles over welded vertices: disjoint sets.
+pub(crate) fn count_parts(welded: &[u32], triangles: &[[u32; 3]]) -> usize {
+    let mut parent: Vec<u32> = welded.to_vec();
+    let mut root = |k: u32, to: Option<u32>| {
+        let mut at = k as usize;
+        while parent[at] as usize != at {
+            parent[at] = parent[parent[at] as usize];
+            at = parent[at] as usize;
+        }
+        if let Some(to) = to {
+            parent[at] = to;
+        }
+        at as u32
+    };
+    for &[a, b, c] in triangles {
+        let first = root(a, None);
+        root(b, Some(first));
+        root(c, Some(first));
+    }
+    let mut is_root = vec![false; welded.len()];
+    triangles.iter().for_each(|t| is_root[root(t[0], None) as usize] = true);
+    is_root.into_iter().filter(|is| *is).count()
 }

@@ -1,0 +1,193 @@
+//! Surfaces read from files: formats, damaged files, cleaning, limits.
+
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+
+use glam::{DVec2, DVec3, Vec3};
+use implant_preview_body::read::{Format, Read, Unit, read};
+use implant_preview_solver::contact::{Dome, HalfBall};
+use implant_preview_solver::export::Solid;
+use std::fmt::Write as _;
+
+/// A cube of 300 mm with outward triangles, and its corners.
+fn cube() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let corners =
+        (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)));
+    let quads =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    (corners.map(|corner| corner * 300.0).collect(), triangles)
+}
+
+fn ascii_ply(positions: &[DVec3], faces: &[&[u32]]) -> String {
+    let (vertices, count) = (positions.len(), faces.len());
+    let mut text = format!(
+        "ply\nformat ascii 1.0\ncomment a cube\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {count}\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    positions.iter().for_each(|p| writeln!(text, "{} {} {}", p.x, p.y, p.z).unwrap());
+    for face in faces {
+        let corners: Vec<String> = face.iter().map(u32::to_string).collect();
+        writeln!(text, "{} {}", face.len(), corners.join(" ")).unwrap();
+    }
+    text
+}
+
+fn cube_ply() -> String {
+    let (positions, triangles) = cube();
+    let faces: Vec<&[u32]> = triangles.iter().map(<[u32; 3]>::as_slice).collect();
+    ascii_ply(&positions, &faces)
+}
+
+fn of(text: &str) -> Read {
+    read(text.as_bytes(), "").unwrap()
+}
+
+fn line_of(bytes: &[u8], name: &str) -> String {
+    let line = read(bytes, name).unwrap_err().to_string();
+    assert!(line.len() > 5 && line.chars().count() < 200, "{line}");
+    assert!(!line.chars().any(char::is_control), "{line:?}");
+    line
+}
+
+#[test]
+fn every_writer_of_closed_meshes_is_read_back() {
+    let solid =
+        Solid::implant(&Dome::new(DVec2::new(5.0, -3.0), HalfBall::round(160.0, 40.0), 1.0));
+    let triangles: Vec<[u32; 3]> = solid.triangles().collect();
+    for format in [Format::Ply, Format::Stl, Format::Obj] {
+        // The content decides, not the name.
+        let found = read(&format.encode(std::slice::from_ref(&solid)), "scan.dat").unwrap();
+        assert_eq!((found.format, found.unit, found.cleaned.parts), (format, Unit::Mm, 1));
+        assert!(!found.cleaned.is_turned && found.cleaned.notes().is_empty(), "{found:?}");
+        assert_eq!(found.surface.triangles.len(), triangles.len());
+        // A text has decimals of 32-bit numbers.
+        let positions: Vec<Vec3> = found.surface.positions.iter().map(|p| p.as_vec3()).collect();
+        for (own, other) in found.surface.triangles.iter().zip(&triangles) {
+            let expected = other.map(|k| solid.vertices[k as usize]);
+            assert_eq!(own.map(|k| positions[k as usize]), expected);
+        }
+        // Vertices of an STL file come back merged, none twice.
+        assert_eq!(positions.len(), solid.vertices.len());
+        if format != Format::Stl {
+            assert_eq!((&positions, &found.surface.triangles), (&solid.vertices, &triangles));
+        }
+    }
+}
+
+#[test]
+fn ply_is_the_same_in_ascii_and_both_byte_orders() {
+    let expected = of(&cube_ply());
+    let (positions, triangles) = cube();
+    assert_eq!(
+        (&expected.surface.positions, &expected.surface.triangles),
+        (&positions, &triangles)
+    );
+    for is_big in [false, true] {
+        let order = if is_big { "big" } else { "little" };
+        let mut bytes = format!(
+            "ply\r\nformat binary_{order}_endian 1.0\r\nelement material 1\r\nproperty list ushort double shine\r\n\
+             element vertex 8\r\nproperty double x\r\nproperty short quality\r\nproperty double y\r\n\
+             property double z\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\n\
+             element face 12\r\nproperty uchar group\r\nproperty list ushort uint vertex_index\r\nend_header\r\n"
+        )
+        .into_bytes();
+        let mut put = |value: &[u8]| {
+            let mut value = value.to_vec();
+            if is_big {
+                value.reverse();
+            }
+            bytes.extend(value);
+        };
+        put(&2_u16.to_le_bytes());
+        [1.0_f64, 2.0].iter().for_each(|shine| put(&shine.to_le_bytes()));
+        for (k, p) in positions.iter().enumerate() {
+            put(&p.x.to_le_bytes());
+            put(&7_i16.to_le_bytes());
+            put(&p.y.to_le_bytes());
+            put(&p.z.to_le_bytes());
+            [k as u8, 100, 255].iter().for_each(|value| put(&[*value]));
+        }
+        for triangle in &triangles {
+            put(&[1]);
+            put(&3_u16.to_le_bytes());
+            triangle.iter().for_each(|k| put(&k.to_le_bytes()));
+        }
+        let found = read(&bytes, "cube.ply").unwrap();
+        assert_eq!(found.surface.positions, positions);
+        assert_eq!(found.surface.triangles, triangles);
+        let colors: Vec<[u8; 3]> = (0..8).map(|k| [k, 100, 255]).collect();
+        assert_eq!(found.surface.colors, Some(colors));
+    }
+}
+
+#[test]
+fn stl_is_read_as_text_and_as_binary_that_begins_with_solid() {
+    let (positions, triangles) = cube();
+    let mut text = "solid a cube of 300 mm\n".to_owned();
+    let mut bytes = b"solid cube".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for triangle in &triangles {
+        text += "  facet normal 0 0 1\n outer loop\n";
+        bytes.extend([0; 12]);
+        for p in triangle.map(|k| positions[k as usize]) {
+            writeln!(text, "vertex {:e} {} {}", p.x, p.y, p.z).unwrap();
+            p.to_array().iter().for_each(|value| bytes.extend((*value as f32).to_le_bytes()));
+        }
+        text += "endloop\nendfacet\n";
+        bytes.extend([0, 0]);
+    }
+    text += "endsolid a cube of 300 mm\n";
+    for bytes in [text.as_bytes(), &bytes] {
+        let found = read(bytes, "").unwrap();
+        assert_eq!((found.format, found.surface.positions.len()), (Format::Stl, 8));
+        assert_eq!((found.surface.triangles.len(), found.cleaned.parts), (12, 1));
+        assert!((found.surface.signed_volume() - 300.0_f64.powi(3)).abs() < 1e-6);
+    }
+    // Bytes behind the last triangle are ignored; a cut file is an error.
+    let longer = [bytes.as_slice(), b"tail"].concat();
+    assert_eq!(read(&longer, "cube.stl").unwrap().surface.triangles.len(), 12);
+    let line = line_of(&bytes[..600], "cube.stl");
+    assert_eq!(line, "byte 600: the file ends after 10 of 12 triangles");
+    let line = line_of(&text.as_bytes()[..600], "cube.stl");
+    assert!(line.starts_with("line "), "{line}");
+}
+
+#[test]
+fn obj_has_groups_polygons_textures_negative_indices_continued_lines_and_colours() {
+    let text = "# exported\r\nmtllib a.mtl\r\ng front\r\nv 0 0 0 1 0 0\r\nv 300 0 0 0 1 0\r\nv 300 \\\r\n 300 0 0 0 0.5\r\n\
+                v 0 300 0 1 1 1\r\nvt 0 0\r\nvn 0 0 1\r\nusemtl skin\r\nf 1/1/1 2/1/1 3/1/1 4/1/1\r\ng back\r\n\
+                v 0 0 -9 0 0 0\r\nf 2//1 1//1 -1\r\n";
+    let found = of(text);
+    assert_eq!(found.surface.triangles, [[0, 1, 2], [0, 2, 3], [1, 0, 4]]);
+    assert_eq!((found.format, found.cleaned.split_faces, found.cleaned.parts), (Format::Obj, 1, 1));
+    let colors = vec![[255, 0, 0], [0, 255, 0], [0, 0, 128], [255; 3], [0; 3]];
+    assert_eq!(found.surface.colors, Some(colors));
+    // Colours of some vertices are none.
+    assert_eq!(of(&text.replace("v 0 0 -9 0 0 0", "v 0 0 -9")).surface.colors, None);
+    // Colours as bytes.
+    let bytes = text.replace("v 0 0 0 1 0 0", "v 0 0 0 200 10 0");
+    assert_eq!(of(&bytes).surface.colors.unwrap()[0], [200, 10, 0]);
+    let line = line_of(text.replace("f 2//1", "f 0//1").as_bytes(), "");
+    assert!(line.starts_with("line 15: \"0//1\" is no vertex; allowed: "), "{line}");
+}
+
+#[test]
+fn polygons_with_a_reflex_corner_are_split_inside() {
+    // An arrowhead and an L of six corners: the area of the triangles is the polygon's, none is turned.
+    let arrow = [[0.0, 0.0], [300.0, -100.0], [100.0, 0.0], [300.0, 100.0]];
+    let angle =
+        [[0.0, 0.0], [400.0, 0.0], [400.0, 100.0], [100.0, 100.0], [100.0, 400.0], [0.0, 400.0]];
+    for (polygon, area) in [(arrow.as_slice(), 10_000.0), (&angle, 70_000.0)] {
+        for turn in 0..polygon.len() {
+            let positions: Vec<DVec3> =
+                polygon.iter().map(|[x, y]| DVec3::new(*x, *y, 0.0)).collect();
+            let n = polygon.len() as u32;
+            let face: Vec<u32> = (0..n).map(|k| (k + turn as u32) % n).collect();
+            let found = of(&ascii_ply(&positions, &[&face]));
+            assert_eq!(found.surface.triangles.len(), polygon.len() - 2);
+            assert!((found.surface.area() - area).abs() < 1e-9, "{:?}", found.surface);
+        }
+    }
+}
