@@ -87,7 +87,8 @@ impl LaneObstacle {
                 [0, 1, 2].map(|a| is_active.bitselect(own[a] - along_dome[a] * part, own[a]))
             };
             let step = sub(moved, at);
-            moved = add(at, wall::limited(&self.wall, add(rest, at), step, kept));
+            let height = rest[2] + at[2];
+            moved = add(at, wall::limited(&near.ground, height, step, kept));
         }
         let above = wall::projected(&self.wall, rest, moved);
         [0, 1, 2].map(|a| is_movable.bitselect(above[a], at[a]))
@@ -126,18 +127,18 @@ impl LaneObstacle {
     pub(crate) fn active(
         &self,
         nodes: &Near<f32x4>,
-        point: Vec3,
+        height: f32x4,
         force: Vec3,
         compliance: impl FnOnce() -> Block,
         touching: f32x4,
     ) -> f32x4 {
-        let Near { length, gradient: g, .. } = *nodes;
+        let Near { length, gradient: g, ref ground, .. } = *nodes;
         let zero = f32x4::ZERO;
         // A curved wall and the dome meet at an angle: the wall takes its part first.
         let force = if self.wall.is_flat() {
             force
         } else {
-            wall::unsupported(&self.wall, point, force, |normal| normal)
+            wall::unsupported(Some(ground), height, force, |normal| normal)
         };
         let mut is_active =
             length.simd_lt(touching + TOUCH_F32 as f32) & dot(force, g).simd_lt(zero);
@@ -161,7 +162,8 @@ impl LaneObstacle {
         let g = nodes.gradient;
         let pressing = active.bitselect(dot(force, g) / dot(g, g), f32x4::ZERO);
         let force = [0, 1, 2].map(|a| force[a] - g[a] * pressing);
-        wall::unsupported(&self.wall, add(rest, at), force, |normal| {
+        let ground = Some(&nodes.ground).filter(|_| !self.wall.is_flat());
+        wall::unsupported(ground, rest[2] + at[2], force, |normal| {
             let part = active.bitselect(dot(normal, g) / dot(g, g), f32x4::ZERO);
             [0, 1, 2].map(|a| normal[a] - g[a] * part)
         })

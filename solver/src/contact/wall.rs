@@ -93,17 +93,16 @@ pub(super) fn projected(wall: &HeightField<f32x4>, rest: Vec3, [x, y, z]: Vec3) 
     [x, y, z.fast_max(least)]
 }
 
-/// The step of four nodes from a point, kept above a curved wall: `compliance` is the move per force on the nodes.
+/// The step of four nodes at a height above a curved wall, kept above it: `compliance` is the move per force on the nodes.
 #[inline(always)]
 pub(super) fn limited(
-    wall: &HeightField<f32x4>,
-    point: Vec3,
+    ground: &Ground<f32x4>,
+    height: f32x4,
     step: Vec3,
     compliance: impl Fn(Vec3) -> Vec3,
 ) -> Vec3 {
-    let ground = wall.at([point[0], point[1]]);
-    let normal = upwards(&ground);
-    let after = point[2] - ground.height + dot(normal, step);
+    let normal = upwards(ground);
+    let after = height - ground.height + dot(normal, step);
     let is_below = after.simd_lt(f32x4::ZERO);
     if !is_below.any() {
         return step;
@@ -120,26 +119,25 @@ fn upwards(ground: &Ground<f32x4>) -> Vec3 {
     [-slope_x, -slope_y, f32x4::ONE]
 }
 
-/// The forces on four nodes minus the reaction of the wall. `free` is the part of a vector in the directions that the dome
-/// leaves free.
+/// The forces on four nodes at a height minus the reaction of the wall, of which the ground below them is known unless it is the
+/// plane. `free` is the part of a vector in the directions that the dome leaves free.
 #[inline(always)]
 pub(super) fn unsupported(
-    wall: &HeightField<f32x4>,
-    point: Vec3,
+    ground: Option<&Ground<f32x4>>,
+    height: f32x4,
     force: Vec3,
     free: impl Fn(Vec3) -> Vec3,
 ) -> Vec3 {
     let zero = f32x4::ZERO;
-    if wall.is_flat() {
+    let Some(ground) = ground else {
         let [x, y, z] = force;
-        let is_pressing = point[2].simd_le(zero) & z.simd_lt(zero);
+        let is_pressing = height.simd_le(zero) & z.simd_lt(zero);
         return [x, y, is_pressing.bitselect(zero, z)];
-    }
-    let ground = wall.at([point[0], point[1]]);
-    let normal = free(upwards(&ground));
+    };
+    let normal = free(upwards(ground));
     let pressing = dot(force, normal);
     let touching = ground.height + f32x4::splat(TOUCH_SPACINGS);
-    let is_pressing = point[2].simd_le(touching) & pressing.simd_lt(zero);
+    let is_pressing = height.simd_le(touching) & pressing.simd_lt(zero);
     let reaction = is_pressing.bitselect(pressing / dot(normal, normal), zero);
     sub(force, scale(normal, reaction))
 }

@@ -66,29 +66,36 @@ impl Rest {
     /// The same layers over a wall.
     #[must_use]
     pub fn over(self, chest: Chest) -> Self {
-        Self { chest, ..self }.placed()
+        Self { chest, ..self }.placed(|_, _| None)
     }
 
     /// The same layers, thicker and thinner from place to place.
     #[must_use]
     pub fn thickened(self, thickness: ThicknessField) -> Self {
         let thickness = Some(thickness).filter(|field| !field.is_even());
-        Self { thickness, ..self }.placed()
+        Self { thickness, ..self }.placed(|_, _| None)
     }
 
-    fn placed(mut self) -> Self {
+    /// Computes the columns that are not `known` by their node and its place; those of nodes outside of the patch are arbitrary.
+    fn placed(mut self, known: impl Fn(usize, DVec2) -> Option<(DVec3, DVec3)>) -> Self {
         self.columns = Arc::default();
         if self.chest == Chest::Flat && self.thickness.is_none() {
             return self;
         }
-        let column = |place: &DVec2| {
-            // Nodes outside of the patch may lie beyond the wall.
-            let place = place.clamp_length_max(self.sheet.radius_mm());
-            let (foot, normal) = self.chest.foot_and_normal(place);
-            let factor = self.thickness.as_ref().map(|field| field.factor(place));
-            (foot, factor.map_or(normal, |factor| normal * factor))
+        let (places, kinds) = (self.sheet.rest(), self.sheet.kinds());
+        let column = |(node, &place): (usize, &DVec2)| {
+            if kinds[node] == NodeKind::Outside {
+                return (place.extend(0.0), DVec3::Z);
+            }
+            known(node, place).unwrap_or_else(|| {
+                // A node of the border may lie beyond the patch by rounding.
+                let place = place.clamp_length_max(self.sheet.radius_mm());
+                let (foot, normal) = self.chest.foot_and_normal(place);
+                let factor = self.thickness.as_ref().map(|field| field.factor(place));
+                (foot, factor.map_or(normal, |factor| normal * factor))
+            })
         };
-        self.columns = self.sheet.rest().iter().map(column).collect();
+        self.columns = places.iter().enumerate().map(column).collect();
         self
     }
 
@@ -185,8 +192,16 @@ impl Rest {
             return self.clone();
         }
         let sheet = Sheet::new(nodes_per_side, self.sheet.radius_mm());
+        let (fine, ratio) = (&self.sheet, (self.sheet.nodes_per_side() - 1) / (nodes_per_side - 1));
+        let known = |k: usize, place: DVec2| {
+            let [i, j] = [k % nodes_per_side, k / nodes_per_side].map(|index| index * ratio);
+            let on_fine = j * fine.nodes_per_side() + i;
+            let is_same = fine.rest().get(on_fine) == Some(&place)
+                && fine.kinds()[on_fine] != NodeKind::Outside;
+            self.columns.get(on_fine).copied().filter(|_| is_same)
+        };
         let Self { cells, heights, chest, thickness, .. } = self.clone();
-        Self { sheet, cells, heights, chest, thickness, columns: Arc::default() }.placed()
+        Self { sheet, cells, heights, chest, thickness, columns: Arc::default() }.placed(known)
     }
 
     /// The same tissue on the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number of
@@ -341,7 +356,9 @@ mod tests {
             let rest = even.clone().thickened(field(&mound)).over(chest.clone());
             for rest in [rest.coarser().unwrap(), rest] {
                 assert_eq!(rest.mirrored(), [true; 2]);
-                for (k, place) in rest.sheet().rest().iter().enumerate() {
+                let (places, kinds) = (rest.sheet().rest().iter(), rest.sheet().kinds());
+                for (k, place) in places.enumerate().filter(|&(k, _)| kinds[k] != NodeKind::Outside)
+                {
                     let place = place.clamp_length_max(100.0);
                     for (layer, height) in [0.0, 6.0, 12.0, 18.0].into_iter().enumerate() {
                         let expected = chest.point(place, height * mound(place));

@@ -93,8 +93,7 @@ impl Spline {
     pub(crate) fn at<R: Real>(&self, position: [R; 2]) -> Tangent<R> {
         let [x, y] = self.weights(position);
         let rows = self.rows(x.cell, y.cell);
-        let [value, slope_x] =
-            [x.values, x.slopes].map(|weights| rows.map(|row| sum(row, weights)));
+        let (value, slope_x) = (sums(&rows, x.values), sums(&rows, x.slopes));
         Tangent {
             value: sum(value, y.values),
             slope: [sum(slope_x, y.values), sum(value, y.slopes)],
@@ -106,8 +105,8 @@ impl Spline {
     pub(crate) fn bent<R: Real>(&self, position: [R; 2]) -> (Tangent<R>, [R; 3]) {
         let [x, y] = self.weights(position);
         let rows = self.rows(x.cell, y.cell);
-        let [value, slope, bend] =
-            [x.values, x.slopes, x.bends].map(|weights| rows.map(|row| sum(row, weights)));
+        let (value, slope) = (sums(&rows, x.values), sums(&rows, x.slopes));
+        let bend = sums(&rows, x.bends);
         let tangent = Tangent {
             value: sum(value, y.values),
             slope: [sum(slope, y.values), sum(value, y.slopes)],
@@ -123,15 +122,19 @@ impl Spline {
 
     #[inline(always)]
     fn weights<R: Real>(&self, position: [R; 2]) -> [Weights<R>; 2] {
-        let center = self.center();
-        [0, 1].map(|axis| Weights::new(position[axis] + center[axis], self.counts[axis]))
+        let [x, y] = self.center();
+        [
+            Weights::new(position[0] + x, self.counts[0]),
+            Weights::new(position[1] + y, self.counts[1]),
+        ]
     }
 
     /// The coefficients around a cell.
     #[inline(always)]
     fn rows<R: Real>(&self, column: R, row: R) -> [[R; 4]; 4] {
         let (table, width) = (R::of(&self.coefficients), R::splat((self.counts[0] - 1) as f64));
-        [0.0, 1.0, 2.0, 3.0].map(|k| R::rows(table, (row + R::splat(k)) * width + column))
+        let four = |k: f64| R::rows(table, (row + R::splat(k)) * width + column);
+        [four(0.0), four(1.0), four(2.0), four(3.0)]
     }
 }
 
@@ -172,6 +175,12 @@ impl<R: Real> Weights<R> {
             bends: bends.map(|bend| R::select(is_beyond, zero, bend)),
         }
     }
+}
+
+/// The sums of four rows; written out, because a closure over an array is not always inlined.
+#[inline(always)]
+fn sums<R: Real>([a, b, c, d]: &[[R; 4]; 4], weights: [R; 4]) -> [R; 4] {
+    [sum(*a, weights), sum(*b, weights), sum(*c, weights), sum(*d, weights)]
 }
 
 #[inline(always)]

@@ -131,7 +131,7 @@ impl Real for f64 {
 
     #[inline(always)]
     fn trunc(self) -> f64 {
-        f64::trunc(self)
+        f64::from(self as i32)
     }
 
     #[inline(always)]

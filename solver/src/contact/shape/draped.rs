@@ -23,7 +23,8 @@ pub(crate) struct Near<R> {
     pub(crate) length: R,
     /// Gradient of the gauge.
     pub(crate) gradient: [R; 3],
-    ground: Ground<R>,
+    /// The wall below the point; zero for the plane.
+    pub(crate) ground: Ground<R>,
 }
 
 impl<R: Real, G: Gauge<R>> Draped<R, G> {

@@ -225,8 +225,8 @@ pub(super) fn residual<S: Stiffness>(
             Contact::OneSided => {
                 let touching = load(contact_offset, k).abs() + 1.0;
                 let compliance = || inverse.inner().load(k);
-                let point = add(group.rest, at);
-                let is_active = obstacle.active(&nodes, point, r, compliance, touching);
+                let height = group.rest[2] + at[2];
+                let is_active = obstacle.active(&nodes, height, r, compliance, touching);
                 let marks = is_active.bitselect(f32x4::ONE, zero).to_array();
                 active[k..k + count].copy_from_slice(&marks[..count]);
                 is_active
