@@ -76,7 +76,8 @@ impl Rest {
         Self { thickness, ..self }.placed(|_, _| None)
     }
 
-    /// Computes the columns that are not `known` by their node and its place; those of nodes outside of the patch are arbitrary.
+    /// Computes the columns that are not `known` by their node and its place. Those of nodes outside of the patch stand anywhere on
+    /// the wall.
     fn placed(mut self, known: impl Fn(usize, DVec2) -> Option<(DVec3, DVec3)>) -> Self {
         self.columns = Arc::default();
         if self.chest == Chest::Flat && self.thickness.is_none() {
@@ -84,14 +85,14 @@ impl Rest {
         }
         let (places, kinds) = (self.sheet.rest(), self.sheet.kinds());
         let column = |(node, &place): (usize, &DVec2)| {
+            // Nodes outside of the patch may lie beyond the wall.
+            let within = place.clamp_length_max(self.sheet.radius_mm());
             if kinds[node] == NodeKind::Outside {
-                return (place.extend(0.0), DVec3::Z);
+                return (within.extend(self.chest.height(within)), DVec3::Z);
             }
             known(node, place).unwrap_or_else(|| {
-                // A node of the border may lie beyond the patch by rounding.
-                let place = place.clamp_length_max(self.sheet.radius_mm());
-                let (foot, normal) = self.chest.foot_and_normal(place);
-                let factor = self.thickness.as_ref().map(|field| field.factor(place));
+                let (foot, normal) = self.chest.foot_and_normal(within);
+                let factor = self.thickness.as_ref().map(|field| field.factor(within));
                 (foot, factor.map_or(normal, |factor| normal * factor))
             })
         };
