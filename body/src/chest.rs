@@ -106,25 +106,28 @@ impl Quadric {
 }
 
 /// Solves a symmetric positive system (Gauss with pivots); `None` for a singular one.
-fn solved(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
-    for k in 0..6 {
-        let pivot = (k..6).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs()))?;
+pub(crate) fn solved<const N: usize>(
+    mut matrix: [[f64; N]; N],
+    mut right: [f64; N],
+) -> Option<[f64; N]> {
+    for k in 0..N {
+        let pivot = (k..N).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs()))?;
         matrix.swap(k, pivot);
         right.swap(k, pivot);
         let head = matrix[k];
         if head[k].is_nan() || head[k].abs() < 1e-9 {
             return None;
         }
-        for row in k + 1..6 {
+        for row in k + 1..N {
             let factor = matrix[row][k] / head[k];
-            for column in k..6 {
+            for column in k..N {
                 matrix[row][column] -= factor * head[column];
             }
             right[row] -= factor * right[k];
         }
     }
-    for k in (0..6).rev() {
-        let known: f64 = (k + 1..6).map(|j| matrix[k][j] * right[j]).sum();
+    for k in (0..N).rev() {
+        let known: f64 = (k + 1..N).map(|j| matrix[k][j] * right[j]).sum();
         right[k] = (right[k] - known) / matrix[k][k];
     }
     right.iter().all(|x| x.is_finite()).then_some(right)
