@@ -1,7 +1,7 @@
 //! A body's surface: read from a file, marked, fitted by a chest wall and a thickness of tissue, deformed by a solution,
 //! measured.
 //!
-//! Module order: `surface` → `read` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso`. Lengths in mm, f64.
+//! Module order: `surface` → `read` → `write` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso`. Lengths in mm, f64.
 
 pub mod chest;
 pub mod field;
@@ -15,3 +15,4 @@ pub mod read;
 pub mod surface;
 pub mod torso;
 mod wall;
+pub mod write;

@@ -3,21 +3,17 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use glam::{DVec2, DVec3, Vec3};
+#[path = "common/files.rs"]
+mod files;
+
+use files::{cube, glb, phone_data, phone_json};
+use glam::{DMat4, DVec2, DVec3, Vec3};
 use implant_preview_body::read::{Format, Read, Unit, read};
+use implant_preview_body::surface::Surface;
+use implant_preview_body::write::write;
 use implant_preview_solver::contact::{Dome, HalfBall};
 use implant_preview_solver::export::Solid;
 use std::fmt::Write as _;
-
-/// A cube of 300 mm with outward triangles, and its corners.
-fn cube() -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let corners =
-        (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)));
-    let quads =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
-    (corners.map(|corner| corner * 300.0).collect(), triangles)
-}
 
 fn ascii_ply(positions: &[DVec3], faces: &[&[u32]]) -> String {
     let (vertices, count) = (positions.len(), faces.len());
@@ -34,7 +30,7 @@ fn ascii_ply(positions: &[DVec3], faces: &[&[u32]]) -> String {
 }
 
 fn cube_ply() -> String {
-    let (positions, triangles) = cube();
+    let Surface { positions, triangles, .. } = cube();
     let faces: Vec<&[u32]> = triangles.iter().map(<[u32; 3]>::as_slice).collect();
     ascii_ply(&positions, &faces)
 }
@@ -78,7 +74,7 @@ fn every_writer_of_closed_meshes_is_read_back() {
 #[test]
 fn ply_is_the_same_in_ascii_and_both_byte_orders() {
     let expected = of(&cube_ply());
-    let (positions, triangles) = cube();
+    let Surface { positions, triangles, .. } = cube();
     assert_eq!(
         (&expected.surface.positions, &expected.surface.triangles),
         (&positions, &triangles)
@@ -123,7 +119,7 @@ fn ply_is_the_same_in_ascii_and_both_byte_orders() {
 
 #[test]
 fn stl_is_read_as_text_and_as_binary_that_begins_with_solid() {
-    let (positions, triangles) = cube();
+    let Surface { positions, triangles, .. } = cube();
     let mut text = "solid a cube of 300 mm\n".to_owned();
     let mut bytes = b"solid cube".to_vec();
     bytes.resize(80, b' ');
@@ -190,4 +186,121 @@ fn polygons_with_a_reflex_corner_are_split_inside() {
             assert!((found.surface.area() - area).abs() < 1e-9, "{:?}", found.surface);
         }
     }
+}
+
+#[test]
+fn a_written_surface_has_its_own_vertices_in_their_order_in_its_unit() {
+    let mut surface = cube();
+    // A vertex without a triangle, and one at the place of another.
+    surface.positions.extend([DVec3::new(0.3, 0.1, 0.7), surface.positions[0]]);
+    surface.triangles[0][0] = 9;
+    surface.colors.as_mut().unwrap().extend([[0, 1, 2], [9; 3]]);
+    for (unit, format) in Unit::ALL.into_iter().flat_map(|unit| Format::ALL.map(|f| (unit, f))) {
+        let found = read(&write(&surface, unit, format), "").unwrap();
+        assert_eq!(found.format, format);
+        assert_eq!(found.unit, if format == Format::Glb { Unit::M } else { unit });
+        if format == Format::Stl {
+            assert_eq!((found.surface.positions.len(), found.surface.colors), (8, None));
+            continue;
+        }
+        assert_eq!(
+            (&found.surface.triangles, &found.surface.colors),
+            (&surface.triangles, &surface.colors)
+        );
+        assert_eq!((found.cleaned.repeated_vertices, found.cleaned.parts), (1, 1));
+        for (own, expected) in found.surface.positions.iter().zip(&surface.positions) {
+            assert!((*own - *expected).length() < 1e-4, "{own} {expected}");
+        }
+        // What was read is written to the last bit.
+        let again = write(&found.surface, found.unit, format);
+        assert_eq!(again, write(&surface, unit, format));
+    }
+}
+
+/// Positions and triangles of a GLB file by another reader \[m\].
+fn by_gltf(bytes: &[u8]) -> (Vec<DVec3>, Vec<u32>, Option<Vec<[u8; 3]>>) {
+    fn walk(node: &gltf::Node, parent: DMat4, found: &mut Vec<(usize, DMat4)>) {
+        let own = node.transform().matrix().map(|column| column.map(f64::from));
+        let own = parent * DMat4::from_cols_array_2d(&own);
+        found.extend(node.mesh().map(|mesh| (mesh.index(), own)));
+        node.children().for_each(|child| walk(&child, own, found));
+    }
+    let file = gltf::Gltf::from_slice(bytes).unwrap();
+    let blob = file.blob.as_deref().unwrap();
+    let mut meshes = Vec::new();
+    file.scenes().next().unwrap().nodes().for_each(|n| walk(&n, DMat4::IDENTITY, &mut meshes));
+    let (mut positions, mut corners, mut colors) = (Vec::new(), Vec::new(), None);
+    for (mesh, to_scene) in meshes {
+        for primitive in file.meshes().nth(mesh).unwrap().primitives() {
+            let reader = primitive.reader(|_| Some(blob));
+            let first = positions.len() as u32;
+            let own = reader.read_positions().unwrap().map(|p| Vec3::from(p).as_dvec3());
+            positions.extend(own.map(|p| to_scene.transform_point3(p)));
+            let all = first..positions.len() as u32;
+            let indices = reader.read_indices().map(gltf::mesh::util::ReadIndices::into_u32);
+            corners.extend(
+                indices.map_or(all.collect::<Vec<_>>(), |own| own.map(|k| k + first).collect()),
+            );
+            colors = reader.read_colors(0).map(|colors| colors.into_rgb_u8().collect());
+        }
+    }
+    (positions, corners, colors)
+}
+
+#[test]
+fn glb_is_moved_by_its_nodes_as_another_reader_does() {
+    let bytes = glb(&phone_json(), &phone_data());
+    let found = read(&bytes, "scan.glb").unwrap();
+    let (positions, corners, linear) = by_gltf(&bytes);
+    assert_eq!((found.format, found.unit, found.cleaned.is_turned), (Format::Glb, Unit::M, false));
+    assert_eq!(found.surface.triangles.as_flattened(), corners);
+    for (own, expected) in found.surface.positions.iter().zip(&positions) {
+        assert!((*own - *expected * 1000.0).length() < 1e-4, "{own} {expected}");
+    }
+    // Linear 55 of 255 is sRGB 128.
+    assert_eq!(linear.unwrap()[2], [55; 3]);
+    assert_eq!(found.surface.colors.unwrap(), [[0; 3], [255, 0, 0], [128; 3], [255; 3]]);
+}
+
+#[test]
+fn glb_has_several_meshes_and_indices_of_any_width_or_none() {
+    let mut json = phone_json();
+    let mut data = phone_data();
+    // The same triangles by bytes and by words, a strip, a fan, corners one by one; a part of points is skipped.
+    data.extend([0_u8, 1, 2, 0, 2, 3, 0, 0]);
+    data.extend([0_u32, 1, 2, 0, 2, 3].iter().flat_map(|k| k.to_le_bytes()));
+    data.extend([1_u8, 2, 0, 3]);
+    data.extend([0_u8, 1, 2, 3]);
+    json["buffers"][0]["byteLength"] = data.len().into();
+    for (kind, start, count) in [(5121, 76, 6), (5125, 84, 6), (5121, 108, 4), (5121, 112, 4)] {
+        let view = json["bufferViews"].as_array().unwrap().len();
+        let length = if kind == 5125 { 24 } else { count };
+        json["bufferViews"]
+            .as_array_mut()
+            .unwrap()
+            .push(serde_json::json!({ "buffer": 0, "byteOffset": start, "byteLength": length }));
+        json["accessors"].as_array_mut().unwrap().push(
+            serde_json::json!({ "bufferView": view, "componentType": kind, "type": "SCALAR", "count": count }));
+    }
+    let part = |indices: u32, mode: u32| serde_json::json!({ "attributes": { "POSITION": 0 }, "indices": indices, "mode": mode });
+    let alone = serde_json::json!({ "attributes": { "POSITION": 0 } });
+    json["meshes"] = serde_json::json!([
+        { "primitives": [part(3, 4), part(4, 4), part(5, 5)] },
+        { "primitives": [part(6, 6), alone, part(3, 0)] },
+    ]);
+    json["nodes"] = serde_json::json!([{ "mesh": 0 }, { "children": [0, 2] }, { "mesh": 1, "scale": [-1, 1, 1] }]);
+    let mut found = read(&glb(&json, &data), "").unwrap();
+    // Mirrored beside itself the surface has no side of its own.
+    if found.cleaned.is_turned {
+        found.surface.turn();
+    }
+    let own: Vec<[u32; 3]> = found.surface.triangles.iter().map(|t| t.map(|k| k % 4)).collect();
+    // A strip turns every second triangle, a mirrored node all.
+    let whole = [[0, 1, 2], [0, 2, 3]];
+    let expected = [whole, whole, [[1, 2, 0], [2, 3, 0]], [[0, 2, 1], [0, 3, 2]]].concat();
+    assert_eq!(own[..8], expected);
+    assert_eq!(own[8..], [[0, 2, 1]]);
+    // Parts of one mesh have their vertices in common.
+    assert_eq!((found.surface.positions.len(), found.surface.colors), (8, None));
+    assert_eq!(found.surface.positions[5], DVec3::new(-f64::from(0.3_f32) * 1000.0, 0.0, 0.0));
 }

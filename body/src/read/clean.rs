@@ -33,6 +33,8 @@ pub struct Cleaned {
     pub repeated_vertices: usize,
     /// Whether the surface was inside out and was turned.
     pub is_turned: bool,
+    /// Whether the file has colours in a texture only, which are not read.
+    pub has_texture: bool,
     /// Parts without a common position, all kept.
     pub parts: usize,
 }
@@ -58,6 +60,7 @@ impl Cleaned {
         note(self.split_faces, "Polygons split into triangles: #.");
         note(self.repeated_vertices, "Vertices at the place of another one: #.");
         note(usize::from(self.is_turned), "The surface was inside out and is turned round.");
+        note(usize::from(self.has_texture), "The colours of the texture are left out.");
         if self.parts > 1 {
             note(self.parts, "Parts that are not connected: #.");
         }
@@ -74,13 +77,15 @@ pub(super) fn clean(mut raw: Raw, format: Format) -> Result<Read, Error> {
         return Err(no_triangles(&raw, &cleaned));
     }
     let colors = (raw.colors.len() == raw.positions.len()).then_some(raw.colors);
+    cleaned.has_texture = raw.has_texture && colors.is_none();
     let mut surface = Surface { positions: raw.positions, triangles, colors };
     let [least, most] = surface.bounds().unwrap_or_default();
     let unit = Unit::of_extent((most - least).max_element());
     if unit != Unit::Mm {
         surface.positions.iter_mut().for_each(|position| *position *= unit.factor());
     }
-    if surface.signed_volume() < -NO_VOLUME * surface.area().powf(1.5) {
+    let area = surface.area();
+    if surface.signed_volume() < -NO_VOLUME * area * area.sqrt() {
         surface.turn();
         cleaned.is_turned = true;
     }

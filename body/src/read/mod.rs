@@ -1,8 +1,9 @@
-//! Readers of surfaces: PLY, STL and OBJ as text or binary, then [cleaning](Cleaned).
+//! Readers of surfaces: PLY, STL, OBJ and GLB, as text or binary, then [cleaning](Cleaned).
 //!
-//! `text` (lines, words, numbers) → `raw` (what a file contains) → `ply` | `stl` | `obj` → `clean`.
+//! `text` (lines, words, numbers) → `raw` (what a file contains) → `ply` | `stl` | `obj` | `glb` → `clean`.
 
 mod clean;
+mod glb;
 mod obj;
 mod ply;
 mod raw;
@@ -109,7 +110,7 @@ pub fn read(bytes: &[u8], name: &str) -> Result<Read, Error> {
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
         Format::Obj => obj::read(bytes),
-        Format::Glb => Err(Error("GLB files are not read; allowed: PLY, STL, OBJ".to_owned())),
+        Format::Glb => glb::read(bytes),
     }?;
     clean::clean(raw, format)
 }

@@ -260,13 +260,12 @@ impl Data<'_> {
         }
         let size = kind.bytes();
         let own = self.bytes.get(self.at..self.at + size).ok_or("the file ends")?;
-        let mut bytes = [0; 8];
-        bytes[..size].copy_from_slice(own);
-        if self.form == Form::Big {
-            bytes[..size].reverse();
-        }
         self.at += size;
-        let word = u64::from_le_bytes(bytes);
+        let shifted = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
+        let word = match self.form {
+            Form::Big => own.iter().fold(0, shifted),
+            _ => own.iter().rev().fold(0, shifted),
+        };
         Ok(match kind {
             Kind::I8 => f64::from(word as i8),
             Kind::U8 => f64::from(word as u8),
@@ -296,7 +295,9 @@ impl Data<'_> {
         let least = if self.form == Form::Ascii { 1 } else { kind.bytes() };
         let most = (self.bytes.len() - self.at) / least;
         if !(0.0..=most as f64).contains(&value) || value.fract() > 0.0 {
-            return Err(format!("a list of {value} numbers; allowed: 0 to the file's end"));
+            return Err(format!(
+                "a list of {value} numbers; the rest of the file has up to {most}"
+            ));
         }
         Ok(value as usize)
     }

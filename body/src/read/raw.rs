@@ -19,6 +19,8 @@ pub(super) struct Raw {
     pub(super) sizes: Vec<u32>,
     /// Whether the vertices are the corners of triangles one by one.
     pub(super) is_soup: bool,
+    /// Whether the file has a texture.
+    pub(super) has_texture: bool,
     /// Number of triangles of all faces.
     pub(super) triangles: usize,
 }

@@ -1,9 +1,26 @@
 //! The four mesh formats: binary STL, Wavefront OBJ, binary PLY, binary glTF 2.0.
 //!
-//! STL, OBJ and PLY have no unit; the lengths are in mm. glTF requires metres and y up.
+//! STL, OBJ and PLY have no unit; the lengths are in mm unless the caller has another unit. glTF requires metres and y up.
+//! Colours of vertices are written where every solid has some; STL has none.
 
-use super::{Solid, glb};
+use super::{Solid, glb, srgb};
 use std::fmt::Write;
+
+/// Unit and axes of the vertices of solids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// Symbol of the unit.
+    pub unit: &'static str,
+    /// Length of the unit \[m\].
+    pub metres: f32,
+    /// Whether z is up and a file in which y is up has turned vertices.
+    pub is_z_up: bool,
+}
+
+impl Axes {
+    /// Of tissue and implants: mm, z away from the wall.
+    pub const TISSUE: Self = Self { unit: "mm", metres: 0.001, is_z_up: true };
+}
 
 /// A format of meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,21 +56,30 @@ impl Format {
         Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// The file of closed bodies, at least one.
+    /// The file of tissue and implants, at least one of them.
     #[must_use]
     pub fn encode(self, solids: &[Solid]) -> Vec<u8> {
+        self.encode_in(Axes::TISSUE, solids)
+    }
+
+    /// The file of solids, at least one, whose vertices have another unit and other axes.
+    #[must_use]
+    pub fn encode_in(self, axes: Axes, solids: &[Solid]) -> Vec<u8> {
+        let names: Vec<&str> = solids.iter().map(|solid| solid.body.name()).collect();
+        let title = format!("implant-preview: {}, {}", names.join(", "), axes.unit);
         match self {
-            Self::Stl => stl(solids),
-            Self::Obj => obj(solids).into_bytes(),
-            Self::Ply => ply(solids),
-            Self::Glb => glb::encode(solids),
+            Self::Stl => stl(&title, solids),
+            Self::Obj => obj(&title, solids).into_bytes(),
+            Self::Ply => ply(&title, solids),
+            Self::Glb => glb::encode(axes, solids),
         }
     }
 }
 
-fn title(solids: &[Solid]) -> String {
-    let names: Vec<&str> = solids.iter().map(|solid| solid.body.name()).collect();
-    format!("implant-preview: {}, mm", names.join(", "))
+/// sRGB of a vertex, where every solid has colours.
+fn colour(solids: &[Solid], solid: &Solid, vertex: usize) -> Option<[u8; 3]> {
+    let has_colours = solids.iter().all(|solid| !solid.colours.is_empty());
+    has_colours.then(|| solid.colours[vertex].map(srgb::of_linear))
 }
 
 /// The triangles of all bodies, by the indices of all their vertices.
@@ -68,9 +94,8 @@ fn triangles(solids: &[Solid]) -> impl Iterator<Item = [u32; 3]> + '_ {
         .flatten()
 }
 
-fn stl(solids: &[Solid]) -> Vec<u8> {
+fn stl(title: &str, solids: &[Solid]) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
-    let title = title(solids);
     bytes[..title.len()].copy_from_slice(title.as_bytes());
     bytes.extend((triangles(solids).count() as u32).to_le_bytes());
     for (solid, triangle) in solids.iter().flat_map(|s| s.triangles().map(move |t| (s, t))) {
@@ -84,14 +109,18 @@ fn stl(solids: &[Solid]) -> Vec<u8> {
     bytes
 }
 
-fn obj(solids: &[Solid]) -> String {
-    let mut text = format!("# {}\n", title(solids));
+fn obj(title: &str, solids: &[Solid]) -> String {
+    let mut text = format!("# {title}\n");
     // Writing to a String cannot fail.
     let mut first = 1;
     for solid in solids {
         let _ = writeln!(text, "o {}", solid.body.name());
-        for v in &solid.vertices {
-            let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
+        for (k, v) in solid.vertices.iter().enumerate() {
+            let _ = write!(text, "v {} {} {}", v.x, v.y, v.z);
+            for part in colour(solids, solid, k).into_iter().flatten() {
+                let _ = write!(text, " {:.4}", f32::from(part) / 255.0);
+            }
+            text.push('\n');
         }
         for part in &solid.parts {
             let _ = writeln!(text, "g {}", part.name);
@@ -104,19 +133,26 @@ fn obj(solids: &[Solid]) -> String {
     text
 }
 
-fn ply(solids: &[Solid]) -> Vec<u8> {
-    let vertices = || solids.iter().flat_map(|solid| &solid.vertices);
+fn ply(title: &str, solids: &[Solid]) -> Vec<u8> {
+    let vertices: usize = solids.iter().map(|solid| solid.vertices.len()).sum();
+    let has_colours = solids.iter().all(|solid| !solid.colours.is_empty());
+    let colours = if has_colours {
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+    } else {
+        ""
+    };
     let mut bytes = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment {}\n\
-         element vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+        "ply\nformat binary_little_endian 1.0\ncomment {title}\n\
+         element vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n{colours}\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        title(solids),
-        vertices().count(),
         triangles(solids).count()
     )
     .into_bytes();
-    for value in vertices().flat_map(glam::Vec3::to_array) {
-        bytes.extend(value.to_le_bytes());
+    for solid in solids {
+        for (k, vertex) in solid.vertices.iter().enumerate() {
+            vertex.to_array().iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+            bytes.extend(colour(solids, solid, k).into_iter().flatten());
+        }
     }
     for triangle in triangles(solids) {
         bytes.push(3);

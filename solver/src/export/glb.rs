@@ -1,7 +1,7 @@
 //! Binary glTF 2.0: each body one closed mesh with unit normals and its own material, and with the colours of its vertices if it has
 //! any; lengths in m, y up.
 
-use super::Solid;
+use super::{Axes, Solid};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
@@ -21,13 +21,14 @@ const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
 /// The bodies as nodes of one scene.
-pub(super) fn encode(solids: &[Solid]) -> Vec<u8> {
+pub(super) fn encode(axes: Axes, solids: &[Solid]) -> Vec<u8> {
     let mut file = File::default();
+    let turned = |v: Vec3| if axes.is_z_up { turned(v) } else { v };
     let (mut nodes, mut meshes, mut materials) = (Vec::new(), Vec::new(), Vec::new());
     for (k, solid) in solids.iter().enumerate() {
         let name = solid.body.name();
         let positions: Vec<[f32; 3]> =
-            solid.vertices.iter().map(|v| turned(*v * 0.001).to_array()).collect();
+            solid.vertices.iter().map(|v| turned(*v * axes.metres).to_array()).collect();
         let normals: Vec<[f32; 3]> =
             normals(solid).into_iter().map(|n| turned(n).to_array()).collect();
         let indices: Vec<u32> = solid.triangles().flatten().collect();

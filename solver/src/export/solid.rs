@@ -1,5 +1,5 @@
-//! Closed triangle meshes: deformed tissue and skin with an inner face, an outer face and the lateral face along the
-//! border; the implant.
+//! Triangle meshes: deformed tissue and skin with an inner face, an outer face and the lateral face along the border; the
+//! implant, each closed; the surface of a body.
 
 use super::glb::Material;
 use crate::contact::Dome;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// A part of a mesh; its triangles refer to [`Solid::vertices`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// `sheet`, `skin` or `border`; of an implant `dome` or `base`.
+    /// `sheet`, `skin` or `border`; of an implant `dome` or `base`; of a torso `surface`.
     pub name: &'static str,
     /// Vertex indices, counter-clockwise seen from outside the tissue.
     pub triangles: Vec<[u32; 3]>,
@@ -26,6 +26,8 @@ pub enum Body {
     Skin,
     /// The implant.
     Implant,
+    /// The whole skin of a body, as scanned; open or closed.
+    Torso,
 }
 
 impl Body {
@@ -36,26 +38,27 @@ impl Body {
             Self::Tissue => "tissue",
             Self::Skin => "skin",
             Self::Implant => "implant",
+            Self::Torso => "body",
         }
     }
 
     pub(super) fn material(self) -> Material {
         match self {
             Self::Tissue => Material { colour: [0.84, 0.61, 0.25], roughness: 0.7 },
-            Self::Skin => Material { colour: [0.78, 0.46, 0.33], roughness: 0.6 },
+            Self::Skin | Self::Torso => Material { colour: [0.78, 0.46, 0.33], roughness: 0.6 },
             Self::Implant => Material { colour: [0.77, 0.82, 0.85], roughness: 0.25 },
         }
     }
 }
 
-/// A closed triangle mesh \[mm\].
+/// A triangle mesh \[mm\], closed but for a torso.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// What the mesh is.
     pub body: Body,
     /// Positions \[mm\].
     pub vertices: Vec<Vec3>,
-    /// The parts, which together are closed.
+    /// The parts, which together are closed but for a torso.
     pub parts: Vec<Part>,
     /// Linear red, green and blue of each vertex \[-\]; empty for a body in the colour of its material.
     pub colours: Vec<[f32; 3]>,

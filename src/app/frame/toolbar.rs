@@ -267,7 +267,7 @@ fn with_stretch(bodies: Vec<Solid>, shared: &Shared) -> Vec<Solid> {
         (surfaces(session.solution()), |node: usize| linear_of_strain(strain[node], skin));
     let coloured = |body: Solid| match body.body {
         Body::Skin => body.coloured(&surfaces, colour),
-        Body::Tissue | Body::Implant => body,
+        Body::Tissue | Body::Implant | Body::Torso => body,
     };
     bodies.into_iter().map(coloured).collect()
 }
