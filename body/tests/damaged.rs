@@ -66,6 +66,12 @@ fn damaged_text_is_rejected_in_one_line() {
             "a.zip",
             "the file is an archive (ZIP); unpack the surface in it",
         ),
+        (
+            "{ \"asset\": {} }".to_owned(),
+            "a.gltf",
+            "glTF as text is not read; save it as GLB, in one file",
+        ),
+        ("<html>".repeat(30), "a.stl", "byte 0: no STL file; an STL text begins with \"solid\""),
         ("plywood".to_owned(), "a.ply", "byte 0: no PLY file; a PLY file begins with \"ply\""),
         ("GLTF".to_owned(), "a.GLB", "byte 0: no GLB file; a GLB file begins with \"glTF\""),
         ("text".to_owned(), "a.stl", "byte 4: the file ends in the header of an STL file"),

@@ -133,6 +133,9 @@ fn format_of(bytes: &[u8], name: &str) -> Result<Format, Error> {
         Some(Format::Ply) if by_content.is_none() => Err(begins("PLY", "ply")),
         Some(Format::Glb) if by_content.is_none() => Err(begins("GLB", "glTF")),
         Some(format) => Ok(format),
+        None if bytes.trim_ascii_start().starts_with(b"{") => {
+            Err(Error("glTF as text is not read; save it as GLB, in one file".to_owned()))
+        }
         None if bytes.starts_with(b"PK") => {
             Err(Error("the file is an archive (ZIP); unpack the surface in it".to_owned()))
         }

@@ -50,6 +50,11 @@ fn read_binary(bytes: &[u8], raw: &mut Raw) -> Result<(), Error> {
         )));
     };
     let found = (bytes.len() - HEADER) / TRIANGLE;
+    let is_text =
+        bytes[..HEADER].iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace());
+    if count > found && is_text {
+        return Err(Error("byte 0: no STL file; an STL text begins with \"solid\"".to_owned()));
+    }
     if count > found {
         return Err(Error(format!(
             "byte {}: the file ends after {found} of {count} triangles",
