@@ -135,6 +135,11 @@ fn damaged_text_is_rejected_in_one_line() {
             "line 13, face 1 of 1: a list of 4000000000 numbers; the rest of the file has up to 7",
         ),
         (
+            ply("3 0 1 2", "1e308 0 1 2"),
+            "",
+            "line 13, face 1 of 1: a list of 1e308 numbers; the rest of the file has up to 7",
+        ),
+        (
             ply("3 0 1 2", "-3 0 1 2"),
             "",
             "line 13, face 1 of 1: a list of -3 numbers; the rest of the file has up to 7",

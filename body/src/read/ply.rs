@@ -295,6 +295,8 @@ impl Data<'_> {
         let least = if self.form == Form::Ascii { 1 } else { kind.bytes() };
         let most = (self.bytes.len() - self.at) / least;
         if !(0.0..=most as f64).contains(&value) || value.fract() > 0.0 {
+            // A number of 300 digits is no line.
+            let value = if value.abs() < 1e12 { value.to_string() } else { format!("{value:e}") };
             return Err(format!(
                 "a list of {value} numbers; the rest of the file has up to {most}"
             ));
