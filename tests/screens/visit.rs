@@ -285,3 +285,33 @@ fn a_saved_report_says_what_of_number_and_side_is_missing() {
     harness.state_mut().set_plan("reference", "4711").unwrap();
     assert_eq!(save(&mut harness, "a.html"), "Saved a.html.");
 }
+
+#[test]
+fn entries_of_the_report_leave_the_ranges_of_the_cards_which_the_report_has() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    wait_until(&mut harness, "the ranges", |harness| {
+        harness.query_by_label("Up to date").map(|_| ())
+    });
+    harness.run();
+    // The numbers of patients, and the ranges in brackets: on the cards, and so in a report of the frame.
+    let cards = |harness: &Harness<'static, App>| {
+        let words = [" patients", " such patients", "–"].map(|words| text_with(harness, words));
+        (words, harness.state().summary())
+    };
+    let before = cards(&harness);
+    assert!(before.1.contains(" such patients"), "{}", before.1);
+    press(&mut harness, "Report");
+    for sign in "4711".chars() {
+        harness.event(egui::Event::Text(sign.to_string()));
+        harness.run();
+    }
+    harness.get_all_by_role_and_label(Role::Button, "right").last().unwrap().click();
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "Save report").click();
+    for frame in 0..20 {
+        harness.step();
+        assert_eq!(cards(&harness), before, "{frame}");
+    }
+    assert_eq!(harness.state().session().scene().side, Some(Side::Right));
+    assert!(harness.state().notice_in_words().contains("No picture was made"));
+}

@@ -62,7 +62,7 @@ impl Corrected {
     }
 
     /// The measured value, if there is one. A class is the middle of its pulls.
-    fn value(self, measured: &Measurements) -> Option<f64> {
+    pub(crate) fn value(self, measured: &Measurements) -> Option<f64> {
         match self {
             Self::Pull => measured.skin_pull_mm.or(measured.skin_class.map(SkinClass::pull_mm)),
             Self::Fold => measured.fold_stretched_mm,

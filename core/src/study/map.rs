@@ -243,8 +243,11 @@ impl Map {
         let (axes, settings) = (self.axes.clone(), self.settings);
         let (queue, border, skin) = (Queue::default(), Border::default(), self.skin);
         let other = Self { base: base_scene(scene), axes, settings, queue, border, skin };
-        // The axes set the same fields at all points.
-        self.corners().into_iter().all(|(i, j)| self.scene(i, j) == other.scene(i, j))
+        // The axes set the same fields at all points; names of tissues are no other points.
+        self.corners().into_iter().all(|(i, j)| match (self.scene(i, j), other.scene(i, j)) {
+            (Ok(own), Ok(other)) => own.same_physics(&other),
+            (own, other) => own == other,
+        })
     }
 
     fn corners(&self) -> [(usize, usize); 4] {

@@ -75,7 +75,7 @@ pub use schema::SchemaOf;
 pub use section_band::SectionBand;
 pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
 pub use template::{Template, TemplateError};
-pub use unknown::Unknown;
+pub use unknown::{Unknown, has_same_patients};
 pub use usual_range::{PATIENTS, USUAL_STEP_ML, UsualRange, UsualVolumes};
 
 use std::collections::HashMap;

@@ -3,7 +3,7 @@
 
 use super::one_by_one::OneByOne;
 use super::{Case, Cases, Job, Quantity, Study};
-use crate::clinical::{PracticeTable, PracticeVolume, STEP_ML, Size};
+use crate::clinical::{Corrected, PracticeTable, PracticeVolume, STEP_ML, Size};
 use crate::measure::bands::PracticeStretch;
 use crate::scene::{Implant, Scene};
 use crate::springs::Springs;
@@ -128,15 +128,17 @@ pub fn has_shape_of_practice(plan: &Scene) -> bool {
     plan.implant == Implant { base_radius_mm, projection_mm, ..Implant::default() }
 }
 
-/// Have two plans the same practice: the same tissue, chest, measurements, base width and settings of the solver?
+/// Have two plans the same practice: the same tissue, chest, measurements that correct its volume, base width and settings of the solver?
 #[must_use]
 pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
     let subject = |scene: &Scene| {
+        let measured = Corrected::ALL.map(|of| of.value(&scene.measured()));
         let mut subject = Scene {
             implant: Implant::default(),
             implant_reference: String::new(),
             pocket_radius_mm: 0.0,
             insertion: 1.0,
+            patient: None,
             side: None,
             visit: None,
             ..scene.clone()
@@ -144,8 +146,8 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
         if scene.has_default_patch() {
             subject.body.patch_radius_mm = 0.0;
         }
-        subject.patient.iter_mut().for_each(|patient| patient.derived.clear());
-        (breast_width_mm(scene).to_bits(), subject)
+        subject.layers.iter_mut().for_each(|layer| layer.tissue.clear());
+        (breast_width_mm(scene).to_bits(), measured, subject)
     };
     subject(a) == subject(b)
 }
@@ -184,7 +186,7 @@ fn strain(case: &Case) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::clinical::{Measurements, SkinClass};
-    use crate::scene::TissueModel;
+    use crate::scene::{Side, TissueModel, Visit};
     use crate::study::{MapSettings, Parameter, evaluate, with_values};
 
     fn coarse(plan: &Scene) -> Scene {
@@ -232,6 +234,13 @@ mod tests {
         let (again, solved) = solve(&other, &mut store);
         assert_eq!((again.stretch(), solved), (Ok(found), 0));
         assert!(has_shape_of_practice(&plan) && !has_shape_of_practice(&other));
+        // So have the entries for the file, the names of the tissues, and a base of the breast that is the implant's.
+        other.side = Some(Side::Right);
+        other.visit = Some(Visit { reference: "4711".to_owned(), ..Visit::default() });
+        other.implant_reference = "A 1".to_owned();
+        other.layers[0].tissue = "cutis".to_owned();
+        other.patient.get_or_insert_default().measured.base_width_mm =
+            Some(2.0 * plan.implant.base_radius_mm);
         assert!(has_same_practice(&plan, &other));
         other.layers[1].thickness_mm += 1.0;
         assert!(!has_same_practice(&plan, &other));

@@ -172,6 +172,15 @@ fn set_ratios(scene: &mut Scene, base: &Scene, is_wanted: fn(&Layer) -> bool, va
     layers(base, is_wanted).for_each(|(k, _)| Field::PoissonRatio.set(scene, k, value));
 }
 
+/// Have two scenes the same sampled patients? The sides, the visits, the implant's references, and names and measurements that no
+/// unknown depends on may differ.
+#[must_use]
+pub fn has_same_patients(a: &Scene, b: &Scene) -> bool {
+    let fat = |scene: &Scene| scene.layers.iter().map(is_other_fat).collect::<Vec<_>>();
+    let has_same_spreads = || Unknown::ALL.into_iter().all(|it| it.spread(a) == it.spread(b));
+    a == b || a.same_physics(b) && fat(a) == fat(b) && has_same_spreads()
+}
+
 fn has_other_curve(layer: &Layer) -> bool {
     !has_fat_curve(layer)
 }
@@ -198,8 +207,44 @@ fn has_own_scale(scene: &Scene) -> bool {
 mod tests {
     use super::*;
     use crate::clinical::spread::Distribution;
-    use crate::scene::ChestShape;
+    use crate::curve::ScaledCurve;
+    use crate::scene::{ChestShape, Side, Visit};
     use crate::study::{Parameter, with_values};
+
+    #[test]
+    fn entries_for_the_file_leave_the_sampled_patients_and_a_measured_pull_is_another_spread() {
+        let scene = Scene::opening();
+        let mut other = Scene { side: Some(Side::Right), ..scene.clone() };
+        other.visit = Some(Visit { reference: "4711".to_owned(), ..Visit::default() });
+        other.implant_reference = "A 1".to_owned();
+        other.layers[0].tissue = "cutis".to_owned();
+        let measured = &mut other.patient.get_or_insert_default().measured;
+        measured.base_width_mm = Some(120.0);
+        assert!(has_same_patients(&scene, &other));
+        for edit in [
+            |scene: &mut Scene| scene.layers[0].thickness_mm += 0.1,
+            |scene: &mut Scene| {
+                let measured = &mut scene.patient.get_or_insert_default().measured;
+                measured.skin_pull_mm = Some(measured.skin_pull_mm.unwrap_or(20.0) + 1.0);
+                measured.skin_class = None;
+                scene.layers[0].curve.strain_scale = 1.0;
+            },
+        ] {
+            let mut edited = other.clone();
+            edited.layers[0].curve.strain_scale = 1.0;
+            edit(&mut edited);
+            let mut before = other.clone();
+            before.layers[0].curve.strain_scale = 1.0;
+            before.patient = None;
+            assert!(!has_same_patients(&before, &edited));
+        }
+        let mut paper = scene.clone();
+        paper.layers[1].curve = ScaledCurve::new(CurveSpec::Adipose {});
+        paper.layers[1].tissue = "adipose".to_owned();
+        let mut unnamed = paper.clone();
+        unnamed.layers[1].tissue = "fat of her".to_owned();
+        assert!(!has_same_patients(&paper, &unnamed));
+    }
 
     #[test]
     fn the_radius_of_a_chest_is_unknown_by_15_mm_about_the_plan_and_a_flat_chest_has_none() {

@@ -149,7 +149,7 @@ impl Filling {
 
     /// The fill steps up to the fill of a plan, heads first; empty before the curve of that plan is solved.
     pub(crate) fn steps(&self, scene: &Scene) -> Vec<Vec<String>> {
-        let is_of_plan = self.started.as_ref().is_some_and(|started| started.is_same_plan(scene));
+        let is_of_plan = self.started.as_ref().is_some_and(|started| started.same_physics(scene));
         let full_ml = Parameter::Volume.value(scene).filter(|_| is_of_plan);
         let solved = self.curve.finished().zip(full_ml);
         solved.map_or_else(Vec::new, |(curve, full)| steps_of(scene).rows(curve, full))

@@ -198,7 +198,7 @@ fn has_answer(session: &Session) -> bool {
 mod tests {
     use super::*;
     use crate::app::frame::studies::tests::{Log, solved_and_reused, studies};
-    use crate::scene::TissueModel;
+    use crate::scene::{Side, TissueModel, Visit};
     use crate::session::Command;
     use std::cell::RefCell;
     use std::rc::Rc;
@@ -291,6 +291,18 @@ mod tests {
         assert_eq!((all - solved, reused), (FEW, 0));
         assert_eq!(frames.log.borrow().submitted, begun + FEW);
         (0..10).for_each(|_| frames.next(true));
+        assert_eq!(frames.log.borrow().submitted, begun + FEW);
+        // Side, visit and names are none of the patients': nothing is solved, and nothing leaves the cards.
+        frames.edit(|scene| {
+            scene.side = Some(Side::Right);
+            scene.visit = Some(Visit { reference: "4711".to_owned(), ..Visit::default() });
+            scene.implant_reference = "A 1".to_owned();
+            scene.layers[0].tissue = "cutis".to_owned();
+        });
+        for _ in 0..5 {
+            assert_eq!(frames.in_cards(), Some(FEW));
+            frames.next(true);
+        }
         assert_eq!(frames.log.borrow().submitted, begun + FEW);
         // The present plan's cards have no patients of another plan, in the frame of the edit either.
         frames.edit(|scene| scene.pocket_radius_mm += 2.0);

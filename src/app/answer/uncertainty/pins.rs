@@ -3,7 +3,7 @@
 use crate::app::frame::studies::{Driver, Studies};
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
-use crate::study::{Bands, BandsSettings, Samples};
+use crate::study::{Bands, BandsSettings, Samples, has_same_patients};
 
 /// The sampled values of the pins.
 #[derive(Default)]
@@ -66,7 +66,7 @@ impl PinSamples {
     pub(super) fn values(&self, scene: &Scene) -> Option<&Samples> {
         self.done
             .iter()
-            .find(|((pinned, _), _)| pinned.is_same_plan(scene))
+            .find(|((pinned, _), _)| has_same_patients(pinned, scene))
             .map(|(_, values)| values)
     }
 }

@@ -5,7 +5,7 @@ use crate::measure::bands::PracticeStretch;
 use crate::scene::Scene;
 use crate::study::{
     Band, Bands, BandsError, BandsSettings, LEAST_ANSWERS, PointStatus, Quantity, Samples,
-    SectionBand,
+    SectionBand, has_same_patients,
 };
 use eframe::egui;
 use std::collections::BTreeMap;
@@ -125,6 +125,9 @@ impl Sampling {
             self.stop(studies);
             self.subject = Some((scene.clone(), settings));
             self.waits_since = Some(now);
+        } else if let Some((of, _)) = self.subject.as_mut().filter(|(of, _)| of != scene) {
+            // At rest equal scenes are compared, which builds none.
+            of.clone_from(scene);
         }
         if let Some(since) = self.waits_since
             && may_start
@@ -144,11 +147,9 @@ impl Sampling {
         is_new
     }
 
-    /// Is the study that of a plan?
+    /// Is the study that of a plan? Side and visit are none of it.
     pub(super) fn is_of(&self, scene: &Scene) -> bool {
-        // At rest no plans are compared without their visits.
-        let subject = self.subject.as_ref();
-        subject.is_some_and(|(of, _)| of == scene || of.is_same_plan(scene))
+        self.subject.as_ref().is_some_and(|(of, _)| has_same_patients(of, scene))
     }
 
     /// The settings of the study; `None` without one.

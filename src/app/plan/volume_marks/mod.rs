@@ -122,7 +122,7 @@ impl VolumeMarks {
         let is_other_volume = |started: &Scene| {
             let mut other = full(plan);
             other.implant.projection_mm = started.implant.projection_mm;
-            other.is_same_plan(&full(started))
+            other.same_physics(&full(started))
         };
         // At rest no scene is built.
         let started = self.started.as_ref();
