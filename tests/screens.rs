@@ -154,6 +154,13 @@ fn wait_for_studies(harness: &mut Harness<'static, App>) {
     harness.run();
 }
 
+/// The status of a solved plan, of which more may be computed.
+fn solved_status(harness: &Harness<'static, App>) -> egui::Rect {
+    let words = ["Up to date", "Comparing with practice…", "Computing the largest volume…"];
+    let mut words = words.into_iter().chain(["Computing the ranges…"]);
+    words.find_map(|words| harness.query_by_label(words)).unwrap().rect()
+}
+
 /// The text of the first label that contains these words.
 fn text_with(harness: &Harness<'static, App>, words: &str) -> Option<String> {
     let mut labels = harness.query_all_by_label_contains(words);

@@ -73,7 +73,23 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
 #[test]
 fn the_summary_describes_the_answer() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
-    wait_for_practice(&mut harness);
+    // Before its end the comparison with practice is not passed off as done.
+    assert!(harness.query_by_label("Up to date").is_none());
+    harness.get_by_label("Comparing with practice…");
+    let summary = harness.state().summary();
+    assert!(
+        summary.contains(" The comparison with practice is still being computed."),
+        "{summary}"
+    );
+    wait_until(&mut harness, "the ranges", |harness| {
+        harness.query_by_label("Computing the ranges…").map(|_| ())
+    });
+    let summary = harness.state().summary();
+    assert!(summary.contains(" The ranges over patients are still being computed."), "{summary}");
+    wait_until(&mut harness, "the end", |harness| harness.query_by_label("Up to date").map(|_| ()));
+    assert!(
+        text_with(&harness, " patients, ").is_some() || text_with(&harness, " of 10 ").is_some()
+    );
     let summary = harness.state().summary();
     assert!(summary.starts_with("300 ml implant, 12 cm wide. Skin stretch "), "{summary}");
     for words in [" percent, as practice.", ", at rest 10.0 mm.", " mmHg, usual.", " Up to date."] {
@@ -118,7 +134,7 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
         scene.set_tissue_model(TissueModel::Sheet);
         scene.insertion = 0.5;
     });
-    harness.get_by_label("Up to date");
+    solved_status(&harness);
     let mut scene = harness.state().session().scene().clone();
     // Far beyond the failure strain of skin.
     scene.insertion = 1.0;
@@ -131,7 +147,7 @@ fn the_state_of_the_solve_is_unobtrusive_and_limits_are_stated() {
     .into();
     harness.state_mut().open(scene.to_json()).unwrap();
     settle(&mut harness);
-    harness.get_by_label("Up to date");
+    solved_status(&harness);
     harness.get_by_label("beyond");
     for source in [
         "skin tore at 54 ± 17 % (mean of 56 samples of excised back skin; Ní Annaidh and others, ",

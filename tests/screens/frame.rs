@@ -97,7 +97,7 @@ fn every_control_and_reading_has_its_name() {
     for reading in ["Pressure, mean", "Pressure, greatest"] {
         assert_eq!(harness.query_all_by_label(reading).count(), 2, "{reading}");
     }
-    harness.get_by_label("Up to date");
+    solved_status(&harness);
     harness.get_by_label_contains("Not a medical device");
 }
 
@@ -116,7 +116,7 @@ fn plan_and_cards_fit_on_the_screen_without_a_scroll_bar() {
             }
             let tissue = harness.get_by_label("Tissue").rect();
             let sources = harness.get_by_label("Where limits come from").rect();
-            let status = harness.get_by_label("Up to date").rect();
+            let status = solved_status(&harness);
             assert!(tissue.bottom() < status.top(), "{size} {chips:?}: {tissue:?} {status:?}");
             assert!(sources.bottom() < status.top(), "{size} {chips:?}: {sources:?}");
             assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{size} {chips:?}");
@@ -159,7 +159,7 @@ fn an_edit_is_solved_in_its_own_frame() {
         assert!(session.revision() > revision, "{field}");
         // The panels before the slice show its result in a further frame.
         settle(&mut harness);
-        assert!(harness.query_by_label("Up to date").is_some(), "{field}");
+        solved_status(&harness);
     }
 }
 

@@ -24,6 +24,7 @@ pub(super) use bar::Bar;
 pub(super) use draw::band_color;
 
 use crate::app::frame::action::Action;
+use crate::app::frame::status::Pending;
 use crate::app::plan::device::Device;
 use crate::app::texts::{self, tr, word_of};
 use crate::app::widgets::theme::{self, SPACE};
@@ -293,8 +294,13 @@ pub(super) fn updating() -> &'static str {
     tr("Updating.")
 }
 
-/// The answer of a device in a few sentences, for screen readers.
-pub(super) fn summary(session: &Session, practices: &Practices, device: Device) -> String {
+/// The answer of a device in a few sentences, for screen readers. `pending`: what is computed beside the figures.
+pub(super) fn summary(
+    session: &Session,
+    practices: &Practices,
+    device: Device,
+    pending: Option<Pending>,
+) -> String {
     if session.is_stopped() {
         return tr("Stopped: this plan has not been computed.").to_owned();
     }
@@ -308,7 +314,7 @@ pub(super) fn summary(session: &Session, practices: &Practices, device: Device) 
             return tr!("No answer. {reason}", reason = device.words(&no_answer::words(session)));
         }
         Status::NotConverged => tr("Not finished: do not use these numbers."),
-        Status::Converged => tr("Up to date."),
+        Status::Converged => pending.map_or_else(|| tr("Up to date."), Pending::sentence),
     };
     let [_, width] = volume_and_width(session.scene()).map(texts::localized);
     let answer = Answer::new(Some(outcome), session.scene(), session.problem(), practices);

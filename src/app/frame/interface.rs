@@ -55,6 +55,7 @@ impl App {
             &self.shared.session,
             &self.shared.practices,
             self.shared.choices.device,
+            self.shared.pending(),
         ) + &self.panels.nearest.summary(&self.shared.session)
             + &self.shares_in_words()
             + &self.shared.volume_marks.largest_in_words(&self.shared.practices)

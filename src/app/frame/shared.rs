@@ -1,9 +1,9 @@
 //! The state that all panels read. A panel changes the draft of the scene and its own state only; all else is an `Action`.
 
-use super::status::Timing;
+use super::status::{Pending, Timing};
 use crate::app::answer::PreviousResults;
 use crate::app::answer::compare::Compare;
-use crate::app::answer::practice::Practices;
+use crate::app::answer::practice::{Against, Practices};
 use crate::app::answer::uncertainty::Uncertainty;
 use crate::app::picture::viewport::{Options, Viewport};
 use crate::app::plan::Choices;
@@ -71,6 +71,18 @@ impl Shared {
     /// Has the running solve taken so long that its picture is marked as provisional?
     pub(crate) fn is_provisional(&self) -> bool {
         self.is_solving_for(PROVISIONAL)
+    }
+
+    /// What is still computed beside the figures of the solved plan.
+    pub(crate) fn pending(&self) -> Option<Pending> {
+        let scene = self.session.scene();
+        if self.practices.against(scene) == Against::Waiting {
+            Some(Pending::Practice)
+        } else if !self.volume_marks.is_known(scene) {
+            Some(Pending::LargestVolume)
+        } else {
+            (!self.uncertainty.is_known(scene)).then_some(Pending::Ranges)
+        }
     }
 
     /// Visibility of the results of the previous scene.

@@ -85,6 +85,36 @@ struct StatusText {
     is_warning: bool,
 }
 
+/// What is computed beside the figures of a solved plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pending {
+    /// The stretch under practice's volumes.
+    Practice,
+    /// The largest volume within it.
+    LargestVolume,
+    /// The ranges over sampled patients.
+    Ranges,
+}
+
+impl Pending {
+    fn words(self) -> &'static str {
+        tr(match self {
+            Self::Practice => "Comparing with practice…",
+            Self::LargestVolume => "Computing the largest volume…",
+            Self::Ranges => "Computing the ranges…",
+        })
+    }
+
+    /// The state of the answer in a sentence, for screen readers.
+    pub(crate) fn sentence(self) -> &'static str {
+        tr(match self {
+            Self::Practice => "The comparison with practice is still being computed.",
+            Self::LargestVolume => "The largest volume is still being computed.",
+            Self::Ranges => "The ranges over patients are still being computed.",
+        })
+    }
+}
+
 fn status_text(session: &Session) -> StatusText {
     let quiet = |text, details: String| StatusText { text, details, is_warning: false };
     let warning = |text, details: String| StatusText { text, details, is_warning: true };
@@ -163,16 +193,20 @@ fn percent_text(percent: f64) -> String {
     format!("{} %", fixed(rounded, decimals))
 }
 
-/// Shows the status line. `sampling`: numbers of computed and of all plans of sampled patients, while they are computed.
+/// Shows the status line. `sampling`: numbers of computed and of all plans of sampled patients, while they are computed; `pending`: what
+/// else is.
 pub(crate) fn show(
     ui: &mut Ui,
     session: &Session,
     timing: &Timing,
-    sampling: Option<(usize, usize)>,
+    (sampling, pending): (Option<(usize, usize)>, Option<Pending>),
 ) {
     let StatusText { text, mut details, is_warning } = status_text(session);
     let mut text = text.to_owned();
     let is_converged = session.result().is_some_and(|it| it.status == Status::Converged);
+    if let Some(pending) = pending.filter(|_| is_converged) {
+        pending.words().clone_into(&mut text);
+    }
     if let Some((done, all)) = sampling.filter(|_| is_converged) {
         text = tr!("Computing patients: {done} of {all} plans", done, all);
     }

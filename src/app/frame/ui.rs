@@ -288,7 +288,8 @@ impl App {
                 }
                 return;
             }
-            status::show(ui, &shared.session, &shared.timing, shared.uncertainty.running());
+            let beside = (shared.uncertainty.running(), shared.pending());
+            status::show(ui, &shared.session, &shared.timing, beside);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| match layout {
                 Layout::Narrow => disclaimer(ui, layout),
                 Layout::Wide => {

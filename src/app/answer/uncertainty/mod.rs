@@ -112,6 +112,11 @@ impl Uncertainty {
         self.is_on.then(|| (self.choices.settings(scene), self.all.findings.is_sampled()))
     }
 
+    /// Are the ranges of the cards of a plan known, or can they not be computed?
+    pub(crate) fn is_known(&self, scene: &Scene) -> bool {
+        self.few.is_of(scene) && self.few.is_at_end() && self.practice.is_at_end()
+    }
+
     /// [`Self::progress`] while the study runs.
     pub(crate) fn running(&self) -> Option<(usize, usize)> {
         self.all.driver.is_running().then(|| self.progress())

@@ -53,6 +53,11 @@ impl PracticeSamples {
         }
     }
 
+    /// Have the studies ended, or is there none?
+    pub(super) fn is_at_end(&self) -> bool {
+        self.plans.is_none() || self.samplings.iter().all(Sampling::is_at_end)
+    }
+
     /// Compares the patients of the findings, once all are solved, with practice.
     pub(super) fn read(&mut self, findings: [&mut Findings; 2]) {
         let [less, more] = &self.samplings;
