@@ -323,7 +323,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
 
     // All parts in one file, each a closed body with unit normals and its own material.
     const all = await save(page, "Save shape (3-D)", "All parts as GLB");
-    assert.equal(all.name, "shape-12cm-300ml.glb");
+    assert.match(all.name, /^shape-12cm-300ml-\d{4}-\d\d-\d\d.*\.glb$/);
     const bodies = (await new GLTFLoader().parseAsync(buffer(all.bytes), "")).scene.children;
     assert.deepEqual(bodies.map((body) => body.name), ["implant", "skin", "tissue"]);
     assert.deepEqual(bodies.map((body) => body.material.name), ["implant", "skin", "tissue"]);
@@ -339,7 +339,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.deepEqual(bodies.map(({ geometry }) => geometry.attributes.color?.count > 0), [false, true, false]);
 
     const profile = await save(page, "Save profile (CSV)…");
-    assert.equal(profile.name, "profile-12cm-300ml.csv");
+    assert.match(profile.name, /^profile-12cm-300ml-\d{4}-\d\d-\d\d.*\.csv$/);
     const [head, ...rows] = profile.bytes.toString().trim().split("\n");
     assert.equal(head, "surface,direction,s_mm,r_mm,z_mm,stretch_meridional,stretch_hoop");
     const result = JSON.parse(await page.evaluate(() => implantPreview.result()));

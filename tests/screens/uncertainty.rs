@@ -120,7 +120,7 @@ fn the_verdict_is_that_of_the_plan_with_and_without_bands() {
         let summary = harness.state().summary();
         summary.split_inclusive("Up to date.").next().unwrap().to_owned()
     };
-    harness.run();
+    wait_until(&mut harness, "the end", |harness| harness.query_by_label("Up to date").map(|_| ()));
     let before = (sentence(&harness), words(&harness));
     assert_eq!(before.0.len(), 1, "{before:?}");
     show_unknown(&mut harness);

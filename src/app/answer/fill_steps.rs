@@ -17,6 +17,10 @@ pub(crate) const NOTE: &str = "Each row is the answer as if the expander were fi
      visits, so pressure falls and later fills meet more skin: the model leaves both out. Skin kept: about a third (35 %) of the gained skin, \
      the part that remained with tissue expanders.";
 
+/// What a row of a file is.
+pub(crate) const NOTE_OF_ROW: &str = "As if filled to this volume at once: no growth or relaxation of the skin between the visits. \
+     Skin kept: 35 % of the gained skin.";
+
 /// Where the usual numbers come from.
 const CONVENTION: &str = "Your choice: no measurement fixes these numbers. In one series of 147 breasts 246 ± 107 ml were filled at operation \
      (ePlasty 2023, 23, e12), in another 68 % of the expander (Plast Reconstr Surg 2011, 127, 1065). Afterwards \

@@ -1,7 +1,7 @@
 //! The filling of an expander: pressure, force and gained skin against the fill, each point one solved scene; `fill_steps` reads
 //! the curves at each visit.
 
-use super::fill_steps::FillSteps;
+use super::fill_steps::{self, FillSteps};
 use super::plots::fixed_plot;
 use crate::app::frame::action::Action;
 use crate::app::frame::files;
@@ -15,7 +15,7 @@ use crate::app::widgets::theme::{self, Palette, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, remark};
 use crate::export;
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
-use crate::scene::Scene;
+use crate::scene::{Scene, Side};
 use crate::study::{Map, MapCheck, MapSettings, Parameter, Quantity};
 use eframe::egui::{self, RichText, Ui};
 use egui_plot::{GridMark, HoverPosition, Line, LineStyle, PlotUi, Points, Polygon, VLine};
@@ -72,13 +72,24 @@ enum Saved {
     Steps(Vec<Vec<String>>),
 }
 
-/// Rows with the patient's number of a plan as their first column, if the plan states it.
+/// Rows for a file: before them the date and, as far as the plan states them, patient's number and side; behind them what a row is.
 fn with_patient(mut rows: Vec<Vec<String>>, scene: &Scene) -> Vec<Vec<String>> {
-    if let Some(number) = plan::patient_number(scene) {
-        let cells = std::iter::once("Patient no.").chain(std::iter::repeat(number));
+    let date = files::date_of_visit(scene);
+    let stated = [
+        ("Patient no.", plan::patient_number(scene)),
+        ("Breast", scene.side.map(Side::word)),
+        ("Date", Some(&*date)),
+    ];
+    for (head, value) in stated.into_iter().rev() {
+        let Some(value) = value else { continue };
+        let cells = std::iter::once(head).chain(std::iter::repeat(value));
         for (row, cell) in rows.iter_mut().zip(cells) {
             row.insert(0, cell.to_owned());
         }
+    }
+    let notes = std::iter::once("Note").chain(std::iter::repeat(fill_steps::NOTE_OF_ROW));
+    for (row, note) in rows.iter_mut().zip(notes) {
+        row.push(note.to_owned());
     }
     rows
 }
@@ -319,12 +330,23 @@ mod tests {
     use crate::scene::Visit;
 
     #[test]
-    fn the_patients_number_is_the_first_column_of_the_saved_steps() {
+    fn the_saved_steps_have_patient_side_and_date_and_say_what_a_row_is() {
         let rows = || vec![vec!["Week".to_owned()], vec!["0".to_owned()], vec!["1".to_owned()]];
         let mut scene = Scene::opening();
-        assert_eq!(with_patient(rows(), &scene), rows());
-        scene.visit = Some(Visit { reference: " P-014".to_owned(), ..Visit::default() });
-        let expected = [["Patient no.", "Week"], ["P-014", "0"], ["P-014", "1"]];
+        let note = fill_steps::NOTE_OF_ROW;
+        assert!(note.contains("at once") && note.contains("no growth or relaxation"));
+        let visit = |reference: &str| Visit {
+            reference: reference.to_owned(),
+            date: "2026-11-25".to_owned(),
+            ..Visit::default()
+        };
+        scene.visit = Some(visit(""));
+        let date = "2026-11-25";
+        let expected = [["Date", "Week", "Note"], [date, "0", note], [date, "1", note]];
         assert_eq!(with_patient(rows(), &scene), expected);
+        (scene.visit, scene.side) = (Some(visit(" P-014")), Some(Side::Right));
+        let row = |week| ["P-014", "right", date, week, note];
+        let heads = ["Patient no.", "Breast", "Date", "Week", "Note"];
+        assert_eq!(with_patient(rows(), &scene), [heads, row("0"), row("1")]);
     }
 }

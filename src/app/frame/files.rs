@@ -51,17 +51,18 @@ pub(crate) fn name_without_visit(
     name(scene, device, (String::new(), ""), what, extension)
 }
 
-/// The name of a file of a plan with the implant's size, as "tissue-12cm-300ml.stl"; a file of the implant alone has its volume and,
-/// where one is stated, the maker's name, as "implant-MM-240-240ml.glb".
+/// The name of a file of a plan with the implant's size and the visit, as "tissue-12cm-300ml-2026-11-25-4711.stl"; a file of the implant
+/// alone has its volume and, where one is stated, the maker's name, as "implant-MM-240-240ml-2026-11-25-4711.glb".
 pub(crate) fn name_with_size(scene: &Scene, device: Device, what: &str, extension: &str) -> String {
     let [volume, width] = volume_and_width(scene);
-    let what = device.english(what);
-    let width = if what == device.english("implant") {
-        makers_name(scene).map_or_else(String::new, |name| format!("{name}-"))
-    } else {
-        format!("{}cm-", width.replace(" × ", "x"))
+    let (what, implant) = (device.english(what), device.english("implant"));
+    let size = match what == implant {
+        true => makers_name(scene).unwrap_or_default(),
+        false => format!("{}cm", width.replace(" × ", "x")),
     };
-    format!("{what}-{width}{volume}ml.{extension}")
+    let reference = scene.visit.as_ref().map_or("", |visit| &visit.reference);
+    let [date, reference] = [date_of_visit(scene), word_of_name(reference)];
+    joined([what, size, format!("{volume}ml"), date, reference], extension)
 }
 
 fn name(
@@ -72,12 +73,25 @@ fn name(
     extension: &str,
 ) -> String {
     let [volume, _] = volume_and_width(scene);
-    let date = if date.is_empty() { today() } else { date };
-    let device = device.english("implant");
-    let size = [makers_name(scene).unwrap_or_default(), format!("{volume}ml")];
-    let parts = [device].into_iter().chain(size);
-    let parts = parts.chain([date, word_of_name(reference), what.to_owned()]);
-    let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
+    let (device, maker) = (device.english("implant"), makers_name(scene).unwrap_or_default());
+    let reference = word_of_name(reference);
+    let parts = [device, maker, format!("{volume}ml"), dated(date), reference, what.to_owned()];
+    joined(parts, extension)
+}
+
+/// The date of a plan's visit, or today's.
+pub(crate) fn date_of_visit(scene: &Scene) -> String {
+    dated(scene.visit.as_ref().map(|visit| visit.date.clone()).unwrap_or_default())
+}
+
+/// A date, or today's in place of none.
+fn dated(date: String) -> String {
+    if date.is_empty() { today() } else { date }
+}
+
+/// The parts that are not empty as the name of a file.
+fn joined<const N: usize>(parts: [String; N], extension: &str) -> String {
+    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     format!("{}.{extension}", parts.join("-"))
 }
 
@@ -317,32 +331,47 @@ fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Visit;
+
+    /// The opening plan with a visit.
+    fn visited() -> Scene {
+        let visit = Visit {
+            reference: "K. M. 4711".to_owned(),
+            date: "2026-11-25".to_owned(),
+            ..Visit::default()
+        };
+        Scene { visit: Some(visit), ..Scene::opening() }
+    }
 
     #[test]
-    fn a_name_has_the_size() {
-        let mut scene = Scene::opening();
+    fn a_name_has_the_size_the_date_and_the_patient() {
+        let mut scene = visited();
         let name = |scene: &Scene, what| name_with_size(scene, Device::Implant, what, "glb");
-        assert_eq!(name(&scene, "implant"), "implant-225ml.glb");
-        assert_eq!(name(&scene, "tissue"), "tissue-12cm-225ml.glb");
+        assert_eq!(name(&scene, "implant"), "implant-225ml-2026-11-25-K-M-4711.glb");
+        assert_eq!(name(&scene, "tissue"), "tissue-12cm-225ml-2026-11-25-K-M-4711.glb");
         assert_eq!(
             name_with_size(&scene, Device::Expander, "implant", "stl"),
-            "expander-225ml.stl"
+            "expander-225ml-2026-11-25-K-M-4711.stl"
         );
         scene.implant.base_radius_mm = 57.5;
         scene.implant.base_height_mm = Some(108.0);
         let [volume, _] = volume_and_width(&scene);
-        assert_eq!(name(&scene, "skin"), format!("skin-11.5x10.8cm-{volume}ml.glb"));
+        let skin = format!("skin-11.5x10.8cm-{volume}ml-2026-11-25-K-M-4711.glb");
+        assert_eq!(name(&scene, "skin"), skin);
+        scene.visit = None;
+        let today = today();
+        assert_eq!(name(&scene, "implant"), format!("implant-{volume}ml-{today}.glb"));
     }
 
     #[test]
     fn a_name_has_the_makers_name_of_the_size() {
-        let mut scene = Scene::opening();
+        let mut scene = visited();
         scene.implant_reference = "MM/240 · 240 cc".to_owned();
         let name = |what| name_with_size(&scene, Device::Implant, what, "glb");
-        assert_eq!(name("implant"), "implant-MM-240-225ml.glb");
-        assert_eq!(name("tissue"), "tissue-12cm-225ml.glb");
+        assert_eq!(name("implant"), "implant-MM-240-225ml-2026-11-25-K-M-4711.glb");
+        assert_eq!(name("tissue"), "tissue-12cm-225ml-2026-11-25-K-M-4711.glb");
         let report = name_with_visit(&scene, Device::Implant, "", "html");
-        assert!(report.starts_with("implant-MM-240-225ml-2"), "{report}");
+        assert_eq!(report, "implant-MM-240-225ml-2026-11-25-K-M-4711.html");
     }
 
     #[test]
