@@ -357,3 +357,27 @@ fn undo_and_redo_count_every_press_within_a_frame() {
     press(&mut harness, egui::Modifiers::COMMAND | egui::Modifiers::SHIFT);
     assert_eq!(volume(&harness), 340.0);
 }
+
+#[test]
+fn the_scroll_bar_of_the_answer_stands_beside_the_cards() {
+    let mut harness = app(egui::vec2(1280.0, 800.0), |scene| *scene = flat_plan());
+    unfold(&mut harness, "Where limits come from");
+    harness.run_steps(10);
+    let screen = harness.ctx.content_rect();
+    let rects = harness.output().shapes.iter().filter_map(|shape| match &shape.shape {
+        egui::Shape::Rect(rect) if rect.rect.left() > 0.5 * screen.width() => Some(rect.clone()),
+        _ => None,
+    });
+    let rects: Vec<egui::epaint::RectShape> = rects.collect();
+    let is_bar = |of: &&egui::epaint::RectShape| of.rect.width() < 11.0 && of.rect.height() > 100.0;
+    let bar = rects.iter().find(is_bar).unwrap();
+    // The frames of the cards.
+    let is_card = |of: &&egui::epaint::RectShape| {
+        of.corner_radius == egui::CornerRadius::same(8) && of.rect.width() > 200.0
+    };
+    let cards: Vec<egui::Rect> = rects.iter().filter(is_card).map(|of| of.rect).collect();
+    assert_eq!(cards.len(), 3, "{cards:?}");
+    for card in cards {
+        assert!(card.right() + 1.0 < bar.rect.left(), "{card} {}", bar.rect);
+    }
+}

@@ -220,6 +220,28 @@ fn the_cross_section_has_values_too() {
 }
 
 #[test]
+fn the_values_over_the_cross_section_leave_the_switch_of_its_plane() {
+    let mut harness = desktop();
+    let strip = harness.get_by_role_and_label(Role::Canvas, "Cross-section").rect();
+    let switch = ["midline to side", "feet to head"]
+        .map(|name| harness.get_by_role_and_label(Role::Button, name).rect());
+    let mut boxes = 0;
+    for across in 0..60 {
+        for up in 0..10 {
+            harness.hover_at(strip.center_bottom() + vec2(6.0 * across as f32, -15.0 * up as f32));
+            harness.step();
+            let Some(node) = harness.query_by_label_contains("Values at the pointer") else {
+                continue;
+            };
+            boxes += 1;
+            let place = node.rect();
+            assert!(!switch.iter().any(|rect| rect.intersects(place)), "{place} {switch:?}");
+        }
+    }
+    assert!(boxes > 20, "{boxes}");
+}
+
+#[test]
 fn the_ruler_measures_straight_along_the_skin_and_at_rest() {
     let mut harness = desktop();
     let [a, b] = [vec2(-60.0, 30.0), vec2(20.0, -2.0)].map(|by| on_skin(&harness) + by);
@@ -249,6 +271,39 @@ fn the_ruler_measures_straight_along_the_skin_and_at_rest() {
     harness.run();
     assert_eq!(reading(&harness, "Ruler: "), None);
     assert!(!is_painted(&harness, "Straight "));
+}
+
+#[test]
+fn a_click_of_the_ruler_beyond_the_computed_skin_says_where_the_ruler_works() {
+    const ONLY: &str = "Ruler: only on the computed skin, which Stretch colours";
+    let mut harness = desktop();
+    let skin = on_skin(&harness);
+    let outside = (1..60).map(|k| skin + vec2(0.0, 6.0 * k as f32)).find(|at| {
+        harness.hover_at(*at);
+        harness.run();
+        reading(&harness, "Values at the pointer").is_some_and(|read| read.contains("Outside"))
+    });
+    let outside = outside.unwrap();
+    focus_picture(&mut harness);
+    harness.key_press(Key::R);
+    harness.run();
+    click(&mut harness, skin);
+    assert!(harness.query_by_label(ONLY).is_none());
+    click(&mut harness, outside);
+    harness.get_by_label(ONLY);
+    harness.hover_at(outside);
+    harness.run();
+    assert_eq!(
+        reading(&harness, "Ruler: Outside").as_deref(),
+        Some("Ruler: Outside the pocket (not computed)")
+    );
+    // The hint stays without a pointer, as after a tap, until the next end.
+    harness.remove_cursor();
+    harness.run();
+    harness.get_by_label(ONLY);
+    click(&mut harness, skin + vec2(20.0, -2.0));
+    assert!(harness.query_by_label(ONLY).is_none());
+    assert!(reading(&harness, "Ruler: Straight").is_some());
 }
 
 /// Presses a handle and moves the pointer in steps.

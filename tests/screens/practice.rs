@@ -223,3 +223,14 @@ fn a_legend_has_no_words_before_practice_is_known() {
         });
     }
 }
+
+#[test]
+fn a_sign_of_percent_stays_with_its_number() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    wait_for_practice(&mut harness);
+    harness.run();
+    let texts = painted_texts(&harness);
+    assert!(texts.iter().any(|text| text.contains("practice's 300 ml: 14\u{a0}%")), "{texts:?}");
+    // The accessible name is plain.
+    harness.get_by_label_contains("practice's 300 ml: 14 %");
+}

@@ -28,6 +28,62 @@ fn the_menu_file_opens_the_shelf_and_a_taken_table_is_in_sight() {
     }
 }
 
+/// Drops the table and takes its sizes.
+fn take_table(harness: &mut Harness<'static, App>, text: &str, take: &'static str) {
+    let file = Dropped { path: "sizes.csv".into(), text: text.to_owned() };
+    harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
+    wait_until(harness, "the preview", |harness| text_with(harness, take));
+    harness.get_by_role_and_label(Role::Button, take).click();
+    wait_until(harness, "the list", |harness| text_with(harness, "Take Low"));
+}
+
+#[test]
+fn sizes_beside_an_expander_are_compared_as_expanders_which_the_import_says() {
+    const AS_EXPANDERS: &str = "The plan is an expander: the sizes are compared as expanders.";
+    for (device, page) in [("round", "Range of implants"), ("expander", "Range of expanders")] {
+        let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+        press(&mut harness, device);
+        let file = Dropped { path: "sizes.csv".into(), text: SIZES.to_owned() };
+        harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
+        wait_until(&mut harness, "the preview", |harness| text_with(harness, "Take 2 sizes"));
+        let is_said = harness.query_by_label(AS_EXPANDERS).is_some();
+        assert_eq!(is_said, device == "expander");
+        harness.get_by_role_and_label(Role::Button, "Take 2 sizes").click();
+        wait_until(&mut harness, "the list", |harness| text_with(harness, "Take Low"));
+        let notice = harness.state().notice_in_words();
+        let words = format!("2 sizes of sizes.csv are in stock, on the page {page}.");
+        assert!(notice.starts_with(&words), "{notice}");
+        assert_eq!(notice.ends_with(AS_EXPANDERS), device == "expander", "{notice}");
+        harness.get_by_role_and_label(Role::Button, page);
+    }
+}
+
+#[test]
+fn six_sizes_of_the_list_are_in_sight_on_a_usual_screen() {
+    let sizes: Vec<String> = (0..8).map(|k| format!("S{k};12;{}", 200 + 20 * k)).collect();
+    let text = format!("name;width_cm;volume_ml\nLow;11,5;200\n{}\n", sizes.join("\n"));
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    take_table(&mut harness, &text, "Take 9 sizes");
+    harness.run_steps(5);
+    let clipped = |words: &str| {
+        let shapes = harness.output().shapes.iter();
+        let is_text = |shape: &&egui::epaint::ClippedShape| match &shape.shape {
+            egui::Shape::Text(text) => text.galley.text().starts_with(words),
+            _ => false,
+        };
+        let found = shapes.filter(is_text).filter(|shape| {
+            shape.clip_rect.expand(1.0).contains_rect(shape.shape.visual_bounding_rect())
+        });
+        found.count()
+    };
+    for name in ["Low · 200 cc", "S0 · 200 cc", "S1 ", "S2 ", "S3 ", "S4 "] {
+        assert_eq!(clipped(name), 1, "{name}");
+    }
+    // The chart keeps half of the page.
+    let chart = harness.get_by_role_and_label(Role::Canvas, "Range of implants, chart").rect();
+    assert!(chart.height() > 300.0, "{chart}");
+}
+
 #[test]
 fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
@@ -43,6 +99,8 @@ fn the_largest_size_of_the_shelf_is_a_link_that_takes_it_as_the_plan() {
     link.click();
     harness.run_steps(2);
     settle(&mut harness);
+    let notice = harness.state().notice_in_words();
+    assert!(notice.starts_with("The breast's base stays 12 cm, "), "{notice}");
     let scene = harness.state().session().scene();
     assert_eq!((scene.implant.base_radius_mm, &*scene.implant_reference), (57.5, "Low · 200 cc"));
     // The breast keeps its base, and with it practice its volume.

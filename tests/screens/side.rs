@@ -71,6 +71,18 @@ fn picture_torso_and_cross_section_of_a_right_breast_are_mirror_images() {
 }
 
 #[test]
+fn the_button_of_the_cross_section_has_the_order_of_the_drawing() {
+    for (side, name, other) in [
+        (Side::Left, "midline to side", "side to midline"),
+        (Side::Right, "side to midline", "midline to side"),
+    ] {
+        let harness = of(side);
+        harness.get_by_role_and_label(Role::Button, name);
+        assert!(harness.query_by_label(other).is_none(), "{side:?}");
+    }
+}
+
+#[test]
 fn the_side_is_a_choice_of_the_first_screen() {
     for size in [DESKTOP, PHONE] {
         let mut harness = app(size, |scene| *scene = flat_plan());

@@ -64,10 +64,7 @@ pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
 pub use no_answer::{NoAnswer, implant_in_words, name_in_words, size_in_words, volume_and_width};
 pub use parameter::{Parameter, ParameterError, with_values};
 pub use percentile::percentiles;
-pub use practice::{
-    NoPractice, Practice, breast_width_mm, has_same_practice, has_shape_of_practice,
-    practice_volume,
-};
+pub use practice::{NoPractice, Practice, breast_width_mm, has_same_practice, practice_volume};
 pub use quantity::{Quantity, Values};
 pub use runner::{Finished, JobPanic, Runner};
 pub use samples::{LEAST_ANSWERS, Samples};

@@ -121,13 +121,6 @@ pub fn breast_width_mm(plan: &Scene) -> f64 {
     plan.measured().base_width_mm.unwrap_or(2.0 * plan.implant.base_radius_mm)
 }
 
-/// Is the implant of a plan one of practice's but for width and volume: a round half-ellipsoid in the middle?
-#[must_use]
-pub fn has_shape_of_practice(plan: &Scene) -> bool {
-    let Implant { base_radius_mm, projection_mm, .. } = plan.implant;
-    plan.implant == Implant { base_radius_mm, projection_mm, ..Implant::default() }
-}
-
 /// Have two plans the same practice: the same tissue, chest, measurements that correct its volume, base width and settings of the solver?
 #[must_use]
 pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
@@ -233,7 +226,6 @@ mod tests {
         other.set_pocket_radius(72.0);
         let (again, solved) = solve(&other, &mut store);
         assert_eq!((again.stretch(), solved), (Ok(found), 0));
-        assert!(has_shape_of_practice(&plan) && !has_shape_of_practice(&other));
         // So have the entries for the file, the names of the tissues, and a base of the breast that is the implant's.
         other.side = Some(Side::Right);
         other.visit = Some(Visit { reference: "4711".to_owned(), ..Visit::default() });

@@ -7,7 +7,7 @@ use crate::measure::bands::{self, PracticeStretch, SkinLimits};
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
 use crate::solve::Problem;
-use crate::study::{Parameter, has_shape_of_practice};
+use crate::study::Parameter;
 
 /// Strain above which the share of the skin is shown \[-\], and its key in the result.
 pub(super) const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
@@ -24,7 +24,7 @@ pub(super) struct Answer {
     pub(super) practice_ml: Option<f64>,
     /// Volume of the plan \[ml\].
     volume_ml: Option<f64>,
-    /// Is the shape another one than that of practice's round implants?
+    /// Is the implant another one than round, as practice's are?
     pub(super) has_other_shape: bool,
     /// The limits of the bar, without a value too: the bar keeps its limits during a solve.
     pub(super) skin: SkinLimits,
@@ -74,7 +74,7 @@ impl Answer {
             against: practices.against(scene),
             practice_ml: practices.volume(scene).map(|volume| volume.volume_ml()),
             volume_ml: Parameter::Volume.value(scene),
-            has_other_shape: !has_shape_of_practice(scene),
+            has_other_shape: !scene.implant.is_round(),
             skin: practices.skin(
                 scene,
                 match strain {

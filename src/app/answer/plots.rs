@@ -97,9 +97,26 @@ pub(crate) fn sampled(curve: &Curve, from: f64, to: f64) -> Polyline {
     strains.map(|strain| [strain, curve.stress(strain)]).collect()
 }
 
-/// Names of the planes of a cross-section.
-pub(crate) const PLANES: [(SectionPlane, &str); 2] =
-    [(SectionPlane::Across, "midline to side"), (SectionPlane::Along, "feet to head")];
+/// The planes of a cross-section.
+pub(crate) const PLANES: [SectionPlane; 2] = [SectionPlane::Across, SectionPlane::Along];
+
+/// Name of a plane of a scene, from the left of its drawing to the right.
+pub(crate) fn name_of(plane: SectionPlane, scene: &Scene) -> &'static str {
+    match plane {
+        SectionPlane::Across if hand_in(plane, scene) < 0.0 => tr("side to midline"),
+        SectionPlane::Across => tr("midline to side"),
+        SectionPlane::Along => tr("feet to head"),
+    }
+}
+
+/// What of the patient is at the left and at the right of a drawing.
+pub(crate) fn ends_of(plane: SectionPlane, scene: &Scene) -> [&'static str; 2] {
+    match plane {
+        SectionPlane::Across if hand_in(plane, scene) < 0.0 => [tr("side"), tr("midline")],
+        SectionPlane::Across => [tr("midline"), tr("side")],
+        SectionPlane::Along => [tr("feet"), tr("head")],
+    }
+}
 
 /// Plots the section in a plane with a switch of the plane: implant, inner face and outer skin, the outer skin of the pins, and the
 /// skin of sampled patients (`band`), if any. Without a stable shape the tissue is missing. Returns another plane.
@@ -112,17 +129,22 @@ pub(crate) fn section(
 ) -> Option<SectionPlane> {
     let mut chosen = None;
     group(ui, tr("Cross-section"), |ui| {
-        ui.horizontal_wrapped(|ui| chosen = choose_plane(ui, plane));
+        ui.horizontal_wrapped(|ui| chosen = choose_plane(ui, plane, session.scene()));
         section_chart(ui, session, compare, (band, plane), 170.0);
     });
     chosen
 }
 
 /// The switch of the plane; returns another plane.
-pub(crate) fn choose_plane(ui: &mut Ui, plane: SectionPlane) -> Option<SectionPlane> {
+pub(crate) fn choose_plane(
+    ui: &mut Ui,
+    plane: SectionPlane,
+    scene: &Scene,
+) -> Option<SectionPlane> {
     let mut chosen = None;
-    for (other, name) in PLANES {
-        let label = egui::Button::selectable(other == plane, RichText::new(tr(name)).small());
+    for other in PLANES {
+        let name = RichText::new(name_of(other, scene)).small();
+        let label = egui::Button::selectable(other == plane, name);
         if ui.add(label).clicked() {
             chosen = Some(other).filter(|other| *other != plane);
         }
@@ -163,17 +185,26 @@ pub(crate) fn section_chart(
                 .map(|(pin, color)| (tr!("skin of {letter}", letter = pin.letter()), *color)),
         )
         .collect();
-    fixed_plot("section", height)
+    let of_pins = silhouettes.iter().map(|line| &line.points);
+    let of_band: Polyline =
+        band.iter().flat_map(|point| point.z_mm.map(|z| [point.r_mm, z])).collect();
+    let drawn = tissue.iter().flatten().chain([&implant, &wall]).map(|(_, _, points)| points);
+    let width = fitting_width(drawn.chain(of_pins).chain([&of_band]), height);
+    let [left, right] = ends_of(plane, session.scene());
+    let axis = match plane {
+        SectionPlane::Across => tr("across (mm)"),
+        SectionPlane::Along => tr("along (mm)"),
+    };
+    let plot = fixed_plot("section", height)
+        .width(width.min(ui.available_width()))
         .data_aspect(1.0)
-        .x_axis_label(match plane {
-            SectionPlane::Across => tr("across (mm)"),
-            SectionPlane::Along => tr("towards the head (mm)"),
-        })
+        .x_axis_label(format!("< {left}        {axis}        {right} >"))
         .x_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
         .y_grid_spacer(uniform_grid_spacer(|_| [100.0, 50.0, 10.0]))
         .y_axis_label(tr("height (mm)"))
-        .include_y(0.0)
-        .show(ui, |plot| {
+        .include_y(0.0);
+    ui.vertical_centered(|ui| {
+        plot.show(ui, |plot| {
             skin_band(plot, palette.curves[0], &band);
             let (name, color, points) = implant;
             plot.line(Line::new(name, points).color(color).width(1.5));
@@ -189,6 +220,7 @@ pub(crate) fn section_chart(
                     .width(1.0),
             );
         });
+    });
     ui.horizontal_wrapped(|ui| {
         for (name, color) in names {
             ui.label(RichText::new(name).small().color(color));
@@ -198,6 +230,20 @@ pub(crate) fn section_chart(
             ui.label(RichText::new(words).small().color(palette.curves[0]));
         }
     });
+}
+
+/// Width of a plot of a height \[points\] that its lines fill at one scale across and up.
+fn fitting_width<'a>(lines: impl Iterator<Item = &'a Polyline>, height: f32) -> f32 {
+    /// Room of the axes beside and below the lines \[points\].
+    const AXES: (f32, f32) = (50.0, 40.0);
+    let (mut low, mut high) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for point in lines.flatten() {
+        for k in 0..2 {
+            (low[k], high[k]) = (low[k].min(point[k]), high[k].max(point[k]));
+        }
+    }
+    let [across, up] = [0, 1].map(|k| high[k] - low[k]);
+    AXES.0 + (height - AXES.1) * (across / up.max(1e-9)) as f32
 }
 
 /// +1, or −1 where the plane is seen from its other side: across a right breast.
@@ -342,4 +388,54 @@ fn values_at(at: &HoverPosition<'_>) -> String {
 /// The number of a mark on an axis, with the decimals of its step.
 fn axis_number(mark: GridMark) -> String {
     fixed(mark.value, (-mark.step_size.log10().round()).max(0.0) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Side;
+    use crate::solve::Progress;
+    use eframe::egui::{Pos2, RawInput, Rect, Shape, vec2};
+
+    /// The texts of a section of a plan of a side in a broad room.
+    fn texts(plane: SectionPlane, side: Side) -> Vec<String> {
+        let mut scene = Scene { side: Some(side), ..Scene::opening() };
+        scene.solver.nodes_per_side = 17;
+        let mut session = Session::new(scene).unwrap();
+        while session.advance(&mut || false) == Progress::Working {}
+        let (ctx, compare) = (egui::Context::default(), Compare::default());
+        theme::install(&ctx);
+        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(860.0, 260.0)));
+        let input = RawInput { screen_rect, ..RawInput::default() };
+        let run = || {
+            ctx.run_ui(input.clone(), |ui| {
+                section_chart(ui, &session, &compare, (&[], plane), 212.0);
+            })
+        };
+        let mut output = run();
+        output.append(run());
+        output.textures_delta.clear();
+        let text = |clipped: egui::epaint::ClippedShape| match clipped.shape {
+            Shape::Text(text) => Some(text.galley.text().to_owned()),
+            _ => None,
+        };
+        output.shapes.into_iter().filter_map(text).collect()
+    }
+
+    #[test]
+    fn a_section_says_what_is_left_and_right_and_its_axis_ends_with_the_drawing() {
+        for (plane, side, ends) in [
+            (SectionPlane::Across, Side::Left, ["< midline ", " side >"]),
+            (SectionPlane::Across, Side::Right, ["< side ", " midline >"]),
+            (SectionPlane::Along, Side::Right, ["< feet ", " head >"]),
+        ] {
+            let texts = texts(plane, side);
+            let is_axis = |text: &String| text.starts_with(ends[0]) && text.ends_with(ends[1]);
+            assert!(texts.iter().any(is_axis), "{texts:?}");
+            // The tissue of the opening plan is 24 cm wide.
+            let number = |text: &String| text.replace('−', "-").parse::<f64>().ok();
+            let most = texts.iter().filter_map(number).fold(0.0, |most: f64, x| most.max(x.abs()));
+            assert!((100.0..=150.0).contains(&most), "{texts:?}");
+        }
+    }
 }

@@ -80,7 +80,7 @@ impl App {
         egui::Panel::bottom("status").resizable(false).show(ui, |ui| {
             self.status_row(ui, Layout::Wide);
         });
-        let left = side_panel(egui::Panel::left("plan"), plan).show(ui, |ui| {
+        let left = side_panel(ui, egui::Panel::left("plan"), plan).show(ui, |ui| {
             column("plan").show(ui, |ui| {
                 self.plan(ui, scene);
                 self.focus.scroll_into_view(ui);
@@ -88,7 +88,7 @@ impl App {
         });
         self.count_gesture(ui.ctx());
         self.take_edits(ui.ctx(), scene);
-        let right = side_panel(egui::Panel::right("answer"), answer).show(ui, |ui| {
+        let right = side_panel(ui, egui::Panel::right("answer"), answer).show(ui, |ui| {
             column("answer").show(ui, |ui| {
                 self.answer(ui, Layout::Wide);
                 self.focus.scroll_into_view(ui);
@@ -480,12 +480,19 @@ fn hint(ui: &mut Ui, area: Rect) {
 
 /// A side panel of a given width. A width that follows the content would grow for good with a wide line or figure, and
 /// the picture would pay.
-fn side_panel(panel: egui::Panel, width: f32) -> egui::Panel {
-    panel.exact_size(width).resizable(false)
+fn side_panel(ui: &Ui, panel: egui::Panel, width: f32) -> egui::Panel {
+    let frame = egui::Frame::side_top_panel(ui.style());
+    let margin =
+        egui::Margin { right: frame.inner_margin.right - SCROLL_BAR, ..frame.inner_margin };
+    panel.frame(frame.inner_margin(margin)).exact_size(width).resizable(false)
 }
+
+/// Room of the scroll bar beside the content of a side panel, of the panel's margin \[points\].
+const SCROLL_BAR: i8 = 6;
 
 /// The scrolled content of a side panel, at the panel's full width. A content that shrinks would make
 /// the panel narrower by some points in every frame.
 fn column(name: &str) -> egui::ScrollArea {
-    egui::ScrollArea::vertical().id_salt(name).auto_shrink([false, true])
+    let beside = egui::Margin { right: SCROLL_BAR, ..egui::Margin::ZERO };
+    egui::ScrollArea::vertical().id_salt(name).auto_shrink([false, true]).content_margin(beside)
 }

@@ -61,8 +61,17 @@ pub(crate) fn show(ui: &mut Ui, area: Rect, shared: &Shared, between: Option<Bet
     let room = area.shrink2(vec2(theme::SPACE, 3.0));
     let layout = egui::Layout::right_to_left(egui::Align::Min);
     let builder = egui::UiBuilder::new().id_salt("plane").max_rect(room).layout(layout);
-    let plane = plots::choose_plane(&mut ui.new_child(builder), shared.section_plane());
+    let (plane, scene) = (shared.section_plane(), shared.session.scene());
+    let mut switch = ui.new_child(builder);
+    let plane = plots::choose_plane(&mut switch, plane, scene);
+    let (id, place) = (switch_id(ui), switch.min_rect());
+    ui.data_mut(|data| data.insert_temp(id, place));
     Done { kept, plane }
+}
+
+/// Where the place of the switch is kept for the next frame: no box of values lies under it.
+fn switch_id(ui: &Ui) -> egui::Id {
+    ui.scope_id().with("switch of the plane")
 }
 
 fn content(
@@ -98,7 +107,7 @@ fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Opt
     let place = Place::new(area, (subject, plane), &pins);
     let painter = ui.painter_at(area);
     paint_ground(ui, &painter, area);
-    paint_wall(ui, &painter, &place, problem);
+    paint_wall(ui, &painter, &place, subject);
     if !section.skin().is_empty() {
         let tissue = |layer: usize| {
             let name = subject.scene().layers.get(layer).map_or("", |l| l.tissue.as_str());
@@ -124,7 +133,10 @@ fn strip_of(ui: &Ui, area: Rect, shared: &Shared, subject: &impl Subject) -> Opt
     let pointer = if is_clicked { response.interact_pointer_pos() } else { response.hover_pos() };
     let pointer = pointer.filter(|_| !shared.viewport.has_ruler())?;
     let hit = hit(place.point(pointer), (&section, plane), shared.viewport.body(), problem)?;
-    let kept = shared.viewport.show_values(ui, area, pointer, &hit, subject.scene());
+    let id = switch_id(ui);
+    let taken: Option<Rect> = ui.data(|data| data.get_temp(id));
+    let canvas = (area, taken.as_slice());
+    let kept = shared.viewport.show_values(ui, canvas, pointer, &hit, subject.scene());
     kept.filter(|_| is_clicked)
 }
 
@@ -230,7 +242,8 @@ fn paint_ground(ui: &Ui, painter: &Painter, area: Rect) {
 }
 
 /// The chest wall with the pocket on it, and the sides of the patient.
-fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
+fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, subject: &impl Subject) {
+    let (problem, ends) = (subject.problem(), plots::ends_of(place.plane, subject.scene()));
     let (visuals, palette) = (ui.visuals(), theme::palette(ui.visuals()));
     let font = TextStyle::Small.resolve(ui.style());
     // At a length along the wall.
@@ -251,13 +264,8 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, problem: &Problem) {
     let weak = visuals.weak_text_color();
     below(0.0, Align2::CENTER_TOP, tr("pocket"), palette.text);
     let (left, right) = (-place.hand * place.reach_mm, place.hand * place.reach_mm);
-    let words = match place.plane {
-        SectionPlane::Across => [tr("midline"), tr("side")],
-        SectionPlane::Along => [tr("feet"), tr("head")],
-    };
-    let [at_left, at_right] = if place.hand > 0.0 { words } else { [words[1], words[0]] };
-    below(left, Align2::LEFT_TOP, at_left, weak);
-    below(right, Align2::RIGHT_TOP, at_right, weak);
+    below(left, Align2::LEFT_TOP, ends[0], weak);
+    below(right, Align2::RIGHT_TOP, ends[1], weak);
 }
 
 fn paint_implant(ui: &Ui, painter: &Painter, place: &Place, subject: &impl Subject) {

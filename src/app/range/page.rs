@@ -254,7 +254,7 @@ impl Range {
             // A phone has room for the chart alone, unless more is wanted.
             if layout == Layout::Wide || self.shows_more {
                 self.values(ui);
-                taken = self.shelf_list(ui, actions).map(Taken::Size).or(taken.take());
+                taken = self.shelf_list(ui, layout, actions).map(Taken::Size).or(taken.take());
             }
         });
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {

@@ -5,7 +5,10 @@ use super::plane::Plane;
 use super::shelf_preview::{Decision, Preview};
 use super::{Range, readout};
 use crate::app::frame::action::{Action, Task};
+use crate::app::frame::commands::entry_of;
 use crate::app::frame::messages::Notice;
+use crate::app::frame::toolbar::Layout;
+use crate::app::plan::device::Device;
 use crate::app::plan::new_base;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
@@ -15,11 +18,17 @@ use crate::scene::{Field, Scene};
 use crate::study::{JudgedMap, Map, Parameter, with_values};
 use eframe::egui::{self, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, Vec2};
 
+/// What the sizes are beside an expander.
+pub(super) const AS_EXPANDERS: &str =
+    "The plan is an expander: the sizes are compared as expanders.";
 /// Radius of a dot, and distance of a pointer that means the dot \[points\].
 const RADIUS: f32 = 3.5;
 const REACH: f32 = 9.0;
-/// Greatest height of the list \[points\].
+/// Greatest height of the list, and that of six sizes with the heads \[points\].
 const LIST_HEIGHT: f32 = 300.0;
+const SIX_SIZES: f32 = 190.0;
+/// Share of the window's height that the list takes at least \[-\].
+const LIST_SHARE: f32 = 0.25;
 /// Greatest height of the field of a pasted table \[points\].
 const PASTED_HEIGHT: f32 = 70.0;
 
@@ -161,10 +170,19 @@ pub(crate) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String
     Ok(scene)
 }
 
-/// Takes a size of the shelf: one step of the history, as an edit of the plan.
-pub(crate) fn take_size(size: &ShelfSize, scene: &mut Scene, actions: &mut Vec<Action>) {
+/// Takes a size of the shelf: one step of the history. The first one keeps the base of the breast, which is said.
+pub(crate) fn take_size(size: &ShelfSize, scene: &Scene, actions: &mut Vec<Action>) {
     match with_size(scene, size) {
-        Ok(taken) => *scene = taken,
+        Ok(taken) => {
+            actions.push(Action::Accept(Box::new(taken)));
+            if scene.measured().base_width_mm.is_none() && scene.patient.is_some() {
+                let width = width_in_words(new_base(scene));
+                actions.push(Action::Notify(Notice::info(tr!(
+                    "The breast's base stays {width}, so that practice takes one volume for all sizes: numbers of other widths change.",
+                    width
+                ))));
+            }
+        }
         Err(reason) => {
             let words = tr!("{name} was not taken. {reason}", name = size.name(), reason);
             actions.push(Action::Notify(Notice::caution(words)));
@@ -179,7 +197,12 @@ pub(crate) fn width_in_words(width_mm: f64) -> String {
 
 impl Range {
     /// The folded list of the shelf; returns the index of a size to take.
-    pub(super) fn shelf_list(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<usize> {
+    pub(super) fn shelf_list(
+        &mut self,
+        ui: &mut Ui,
+        layout: Layout,
+        actions: &mut Vec<Action>,
+    ) -> Option<usize> {
         let count = self.sizes.shelf.sizes().len();
         let title = if count == 0 {
             tr("Sizes in stock").to_owned()
@@ -196,7 +219,13 @@ impl Range {
                 return;
             }
             let mut removed = None;
-            egui::ScrollArea::vertical().max_height(LIST_HEIGHT).show(ui, |ui| {
+            let mut list = egui::ScrollArea::vertical().max_height(LIST_HEIGHT);
+            if layout == Layout::Wide {
+                // A panel as high as its content has no room of its own.
+                let share = LIST_SHARE * ui.ctx().content_rect().height();
+                list = list.min_scrolled_height(SIX_SIZES.min(share));
+            }
+            list.show(ui, |ui| {
                 egui::Grid::new("shelf sizes").num_columns(5).spacing([14.0, 3.0]).show(ui, |ui| {
                     for title in [tr("Name"), tr("Width"), tr("Projection"), tr("Volume")] {
                         ui.label(RichText::new(title).small().weak());
@@ -306,10 +335,13 @@ impl Range {
         self.sizes.set(shelf);
         self.sizes.pasted = None;
         (self.is_open, self.shows_more, self.sizes.unfolds) = (true, true, true);
-        Some(Notice::info(tr!(
-            "{count} sizes of {name} are in stock, on the page Range of implants.",
-            count,
-            name
-        )))
+        let device = Device::of(ctx);
+        let page = device.words(tr(entry_of(Task::ShowRange(true)).name));
+        let words =
+            tr!("{count} sizes of {name} are in stock, on the page {page}.", count, name, page);
+        Some(Notice::info(match device {
+            Device::Implant => words,
+            Device::Expander => format!("{words} {}", tr(AS_EXPANDERS)),
+        }))
     }
 }

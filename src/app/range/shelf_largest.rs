@@ -92,7 +92,7 @@ impl ShelfLargest {
     }
 
     /// Shows the largest size in a sentence, which is a link that takes the size; nothing while that is not known or without a shelf.
-    pub(crate) fn show(&self, ui: &mut Ui, scene: &mut Scene, actions: &mut Vec<Action>) {
+    pub(crate) fn show(&self, ui: &mut Ui, scene: &Scene, actions: &mut Vec<Action>) {
         let Some((search, (plan, _))) = self.search.finished().zip(self.started.as_ref()) else {
             return;
         };

@@ -1,5 +1,7 @@
 //! A table of sizes before it is taken: what its columns are read as, and which rows are left out.
 
+use super::shelf::AS_EXPANDERS;
+use crate::app::plan::device::Device;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::theme;
 use crate::app::widgets::{remark, set_accessible_name};
@@ -71,6 +73,9 @@ impl Preview {
             ui.label(RichText::new(format!("{}.", shown(missing))).color(color));
         }
         self.skipped(ui);
+        if Device::of(ui.ctx()) == Device::Expander {
+            remark(ui, tr(AS_EXPANDERS));
+        }
         ui.add_space(theme::SPACE_SMALL);
         let mut decision = None;
         ui.horizontal(|ui| {

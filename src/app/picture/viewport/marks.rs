@@ -26,6 +26,9 @@ const PICK_WHILE_SOLVING: usize = 257;
 /// Distance within which a click is on a kept point \[points\].
 const SAME: f32 = 24.0;
 
+/// Where the ruler has no end.
+const ON_SKIN: &str = "Ruler: only on the computed skin, which Stretch colours";
+
 /// Radius of a marked point with its edge \[points\].
 const DOT: f32 = 6.0;
 
@@ -36,6 +39,8 @@ pub(super) struct Marks {
     kept: Option<Place>,
     /// The ruler's ends, up to two; `None` without a ruler.
     ruler: Option<Vec<Place>>,
+    /// Was the last click of the ruler on no computed skin?
+    is_missed: bool,
 }
 
 /// A click on the tissue.
@@ -45,10 +50,13 @@ pub(super) enum Click {
     Kept,
     /// On a point of the tissue; `is_skin`: of the skin.
     At { place: Place, is_skin: bool },
+    /// On tissue that is not computed.
+    Outside,
 }
 
 impl Marks {
     fn click(&mut self, click: Click) {
+        self.is_missed = false;
         match (&mut self.ruler, click) {
             (Some(ends), Click::At { place, is_skin: true }) => {
                 // A third click starts again.
@@ -57,7 +65,8 @@ impl Marks {
                 }
                 ends.push(place);
             }
-            (Some(_), _) => {}
+            (Some(ends), _) => self.is_missed = ends.len() < 2,
+            (None, Click::Outside) => {}
             (None, Click::Kept) => self.kept = None,
             (None, Click::At { place, .. }) => self.kept = Some(place),
         }
@@ -65,6 +74,7 @@ impl Marks {
 
     /// Removes the ruler, otherwise the kept point. Returns whether there was one.
     fn remove(&mut self) -> bool {
+        self.is_missed = false;
         self.ruler.take().is_some() || self.kept.take().is_some()
     }
 }
@@ -84,9 +94,15 @@ impl Viewport {
         self.marks.ruler.is_some()
     }
 
+    /// Has the ruler an end to place?
+    fn is_measuring(&self) -> bool {
+        self.marks.ruler.as_ref().is_some_and(|ends| ends.len() < 2)
+    }
+
     /// Switches the ruler on, without points, or off.
     pub(crate) fn toggle_ruler(&mut self) {
         self.marks.ruler = if self.has_ruler() { None } else { Some(Vec::new()) };
+        self.marks.is_missed = false;
     }
 
     /// Removes the ruler, otherwise the point whose values are kept. Returns whether there was one.
@@ -134,24 +150,33 @@ impl Viewport {
             let (picture, scene) = (marked.picture, marked.subject.scene());
             show_values(ui, (&painter, area, &taken), pointer, &hit, picture, scene);
         }
+        if self.is_measuring() && !is_skin {
+            let (fields, scene) = (marked.picture.fields.as_deref(), marked.subject.scene());
+            let device = Device::of(ui.ctx());
+            let words = fields.and_then(|fields| readout::heading(&hit, fields, scene, device));
+            let lines: Vec<String> = words.into_iter().collect();
+            labelled_box(ui, (&painter, area, &taken), (pointer, tr("Ruler")), &lines);
+        }
         match (response.clicked(), is_kept) {
             (false, _) => None,
             (true, true) => Some(Click::Kept),
-            (true, false) => place.map(|place| Click::At { place, is_skin }),
+            (true, false) => {
+                Some(place.map_or(Click::Outside, |place| Click::At { place, is_skin }))
+            }
         }
     }
 
-    /// Shows the values at a hit of the current scene's picture beside a position elsewhere, as over the cross-section.
+    /// Shows the values at a hit of the current scene's picture beside a position elsewhere, as over the cross-section, beside what is `taken`.
     /// Returns the point of the tissue.
     pub(crate) fn show_values(
         &self,
         ui: &Ui,
-        area: Rect,
+        (area, taken): (Rect, &[Rect]),
         pointer: Pos2,
         hit: &Hit,
         scene: &Scene,
     ) -> Option<Place> {
-        show_values(ui, (&ui.painter_at(area), area, &[]), pointer, hit, &self.picture, scene);
+        show_values(ui, (&ui.painter_at(area), area, taken), pointer, hit, &self.picture, scene);
         place_of(hit, &self.picture)
     }
 
@@ -194,7 +219,9 @@ impl Viewport {
         if ends.len() < 2 {
             let words =
                 [tr("Ruler: click a point of the skin"), tr("Ruler: click the second point")];
-            hint(ui, painter, area, words[ends.len()]);
+            // A finger has no pointer beside which the words stand.
+            let words = if self.marks.is_missed { tr(ON_SKIN) } else { words[ends.len()] };
+            hint(ui, painter, area, words);
         }
         let mut ends = ends.clone();
         ends.extend(next.filter(|_| ends.len() < 2));
@@ -380,8 +407,12 @@ mod tests {
             is_skin: false,
         });
         assert_eq!(ends(&marks), 1, "a point under the skin is no end");
+        assert!(marks.is_missed);
         marks.click(at(2.0));
-        assert_eq!(ends(&marks), 2);
+        assert_eq!((ends(&marks), marks.is_missed), (2, false));
+        // A measured line has no word about the skin beside it.
+        marks.click(Click::Outside);
+        assert_eq!((ends(&marks), marks.is_missed), (2, false));
         marks.click(at(3.0));
         assert_eq!(ends(&marks), 1, "a third click starts again");
         assert!(marks.remove() && marks.kept.is_some() && marks.remove() && !marks.remove());

@@ -16,10 +16,9 @@ use crate::app::frame::studies::Studies;
 use crate::app::texts::tr;
 use crate::app::widgets::quantity::format_at_most;
 use crate::clinical::STEP_ML;
+use crate::contact::HALF_ELLIPSOID;
 use crate::scene::Scene;
-use crate::study::{
-    BandsSettings, Map, Parameter, Quantity, breast_width_mm, has_shape_of_practice, with_values,
-};
+use crate::study::{BandsSettings, Map, Parameter, Quantity, breast_width_mm, with_values};
 use eframe::egui;
 use marks::Mark;
 use web_time::{Duration, Instant};
@@ -27,6 +26,8 @@ use width::{MOST_RATIO, Width};
 
 /// Share of the greatest volume with an answer from which a plan is near the model's limit \[-\].
 const NEAR_END: f64 = 0.9;
+/// Difference from the usual fullness from which a dome is named after it \[-\].
+const LEAST_FULLER: f64 = 0.005;
 /// Rest of the first plan before its marks are computed.
 const REST: Duration = Duration::from_millis(300);
 
@@ -132,7 +133,8 @@ impl VolumeMarks {
     /// Is the largest usual volume of a plan known, or can it not be computed?
     pub(crate) fn is_known(&self, plan: &Scene) -> bool {
         let is_at_end = self.own.any_curve().is_none() || self.own.largest_ml().is_some();
-        self.started.as_ref() == Some(plan) && is_at_end
+        // Side and visit are none of it.
+        is_at_end && self.started.as_ref().is_some_and(|started| started.same_physics(plan))
     }
 
     /// Starts the curve of a scene. Another volume leaves the curve as it is.
@@ -291,15 +293,27 @@ fn against_practice(largest: Option<String>, end: Option<&Mark>, plan: &Scene) -
     match largest {
         Some(volume) if thin => tr!("up to {volume}, then the cover is thin", volume),
         Some(volume) if pressure => tr!("up to {volume}, then the pressure is high", volume),
-        Some(volume) if has_shape_of_practice(plan) => {
-            tr!("this skin carries up to {volume} within that stretch", volume)
-        }
-        Some(volume) => {
+        Some(volume) if !plan.implant.is_round() => {
             tr!(
                 "this skin carries up to {volume} of this shape within the stretch of round ones",
                 volume
             )
         }
+        Some(volume) => match plan.implant.fullness.unwrap_or(HALF_ELLIPSOID) - HALF_ELLIPSOID {
+            more if more > LEAST_FULLER => {
+                tr!(
+                    "this skin carries up to {volume} of this fuller dome within that stretch",
+                    volume
+                )
+            }
+            more if more < -LEAST_FULLER => {
+                tr!(
+                    "this skin carries up to {volume} of this less full dome within that stretch",
+                    volume
+                )
+            }
+            _ => tr!("this skin carries up to {volume} within that stretch", volume),
+        },
         None if thin => tr("the cover is thin with every volume").to_owned(),
         None if pressure => tr("the pressure is high with every volume").to_owned(),
         None => tr("no volume stretches this skin so little").to_owned(),
@@ -406,6 +420,25 @@ mod tests {
             VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices),
             "12 cm: practice takes 325 ± 30 ml for the breast's base, 13 cm; this skin carries up to 310 ml of this shape within the stretch of round ones."
         );
+    }
+
+    #[test]
+    fn a_round_implant_is_named_after_its_fullness_and_not_after_its_shape() {
+        let practice = PracticeStretch { less: 0.19, same: 0.21, more: 0.23 };
+        for (fullness, x, expected) in [
+            (None, 0.0, "up to 340 ml within that stretch"),
+            (None, 3.0, "up to 340 ml within that stretch"),
+            (Some(0.667), 0.0, "up to 340 ml within that stretch"),
+            (Some(0.70), 0.0, "up to 340 ml of this fuller dome within that stretch"),
+            (Some(0.60), 0.0, "up to 340 ml of this less full dome within that stretch"),
+        ] {
+            let mut plan = Scene::opening();
+            (plan.implant.fullness, plan.implant.center_mm[0]) = (fullness, x);
+            let practices = Practices::of_known(plan.clone(), Ok(practice));
+            let own = Width::done(&plan, volumes(&plan.implant, MOST_RATIO), vec![], Some(340.0));
+            let words = VolumeMarks { own, ..VolumeMarks::default() }.largest_usual(&practices);
+            assert!(words.ends_with(&format!("this skin carries {expected}.")), "{words}");
+        }
     }
 
     #[test]
