@@ -207,7 +207,6 @@ fn has_own_scale(scene: &Scene) -> bool {
 mod tests {
     use super::*;
     use crate::clinical::spread::Distribution;
-    use crate::curve::ScaledCurve;
     use crate::scene::{ChestShape, Side, Visit};
     use crate::study::{Parameter, with_values};
 
@@ -239,7 +238,7 @@ mod tests {
             assert!(!has_same_patients(&before, &edited));
         }
         let mut paper = scene.clone();
-        paper.layers[1].curve = ScaledCurve::new(CurveSpec::Adipose {});
+        paper.layers[1].curve = CurveSpec::Adipose {}.into();
         paper.layers[1].tissue = "adipose".to_owned();
         let mut unnamed = paper.clone();
         unnamed.layers[1].tissue = "fat of her".to_owned();

@@ -49,6 +49,17 @@ pub(super) struct Card {
     pub(super) scale: BarScale,
 }
 
+impl Card {
+    /// Figure, range and what stands beside them in a line.
+    pub(super) fn in_a_line(&self) -> String {
+        let figure = format!("{} {}", self.figure, self.brackets);
+        let words = self.beside.strip_prefix(&self.brackets).unwrap_or(&self.beside);
+        // Another figure follows, not what the first one is.
+        let separator = if self.is_of_practice { "; " } else { " " };
+        format!("{}{separator}{words}", figure.trim_end())
+    }
+}
+
 /// The scale of a card's bar.
 pub(super) enum BarScale {
     /// Bands of limits, up to a value, with a further mark and its text.
@@ -93,8 +104,8 @@ impl<'a> Sampled<'a> {
         }
         let [low, high] = ends.map(|value| fixed(value, 0));
         match findings.without_answer() > OPEN_ABOVE {
-            true if is_low_worse => format!("(≤ {low}–{high}) "),
-            true => format!("({low}–≥ {high}) "),
+            true if is_low_worse => tr!("(under {low} to {high}) ", low, high),
+            true => tr!("({low} to over {high}) ", low, high),
             false => format!("({low}–{high}) "),
         }
     }
@@ -312,10 +323,44 @@ mod tests {
         answer.strain = Some(0.16);
         let [card, ..] = cards(&answer, None);
         assert_eq!(card.beside, "practice's 300 ml: 21 %");
+        assert_eq!(card.in_a_line(), "16 %; practice's 300 ml: 21 %");
+        let card = Card {
+            brackets: "(9–20) ".to_owned(),
+            beside: format!("(9–20) {}", card.beside),
+            ..card
+        };
+        assert_eq!(card.in_a_line(), "16 % (9–20); practice's 300 ml: 21 %");
         assert_eq!((card.verdict, card.value), (Some((0, "below practice")), Some(0.16)));
         let BarScale::Bands { limits, mark, .. } = card.scale else { panic!("no limits") };
         assert_eq!(mark, Some((0.21, "practice 21 %".to_owned())));
         assert_eq!(limits, practice.limits());
+    }
+
+    #[test]
+    fn a_range_with_patients_without_an_answer_is_open_in_words() {
+        let band = |quantity, [p10, p90]: [f64; 2]| Band {
+            quantity,
+            label: "",
+            unit: "",
+            scene: None,
+            p10,
+            p50: 0.5 * (p10 + p90),
+            p90,
+            text: String::new(),
+            scenarios: Vec::new(),
+            importance: std::collections::BTreeMap::new(),
+        };
+        let bands =
+            [(Quantity::GreatestStrain, [0.16, 0.23]), (Quantity::LeastCoverMm, [6.0, 9.0])];
+        for (without, stretch, cover) in
+            [(0, "(16–23) ", "(6–9) "), (3, "(16 to over 23) ", "(under 6 to 9) ")]
+        {
+            let bands = bands.map(|(quantity, ends)| band(quantity, ends)).to_vec();
+            let findings = Findings::of_bands(bands, without);
+            let sampled = Sampled::new(Some(&findings));
+            assert_eq!(sampled.brackets(Quantity::GreatestStrain, false), stretch);
+            assert_eq!(sampled.brackets(Quantity::LeastCoverMm, true), cover);
+        }
     }
 
     #[test]

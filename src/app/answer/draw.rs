@@ -6,12 +6,12 @@ use super::text_of;
 use super::uncertainty::{FEW, Findings, without_answer};
 use crate::app::plan::device::Device;
 use crate::app::texts::tr;
-use crate::app::widgets::kept_lines;
+use crate::app::widgets::set_accessible_name;
 use crate::app::widgets::theme::{self, SPACE};
 use crate::measure::bands;
 use eframe::egui::{
-    self, Align2, Color32, Rangef, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
-    pos2, vec2,
+    self, Align2, Color32, FontId, Rangef, Rect, RichText, Sense, Shape, Stroke, StrokeKind,
+    TextStyle, Ui, pos2, vec2,
 };
 
 pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
@@ -30,18 +30,27 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
             ui.horizontal(|ui| {
                 ui.set_min_height(2.0 * ui.text_style_height(&TextStyle::Body));
                 ui.label(RichText::new(&card.figure).size(theme::FIGURE));
-                let beside = RichText::new(&card.beside).color(ui.visuals().weak_text_color());
-                ui.add(egui::Label::new(beside).wrap());
+                let beside = with_its_number(&card.beside);
+                let beside = RichText::new(beside).color(ui.visuals().weak_text_color());
+                let label = ui.add(egui::Label::new(beside).wrap());
+                set_accessible_name(&label, egui::Role::Label, &card.beside);
             });
             draw(ui, &Bar::of(card));
             let line = match &card.shares {
-                Some(shares) => RichText::new(shares).small(),
+                Some(shares) => shares_in(ui, with_its_number(shares)),
                 None => {
                     let line = Device::of(ui.ctx()).words(&card.line);
                     RichText::new(line).small().color(ui.visuals().weak_text_color())
                 }
             };
-            kept_lines(ui, 2, |ui| ui.add(egui::Label::new(line).wrap()));
+            // Room of two lines of shares.
+            let font = note(ui);
+            let height = 2.0 * ui.ctx().fonts_mut(|fonts| fonts.row_height(&font)).ceil();
+            let room = vec2(ui.available_width(), height);
+            ui.allocate_ui(room, |ui| {
+                ui.set_min_height(height);
+                ui.add(egui::Label::new(line).wrap());
+            });
         })
         .response;
     let mut tooltip = match &card.scale {
@@ -66,6 +75,26 @@ pub(super) fn show_card(ui: &mut Ui, card: &Card, findings: Option<&Findings>) {
         tooltip = further.chain([tooltip]).collect::<Vec<_>>().join("\n");
     }
     response.on_hover_text(Device::of(ui.ctx()).words(&tooltip));
+}
+
+/// Size of the numbers of patients: a calm word of the plan is not that of all of them \[points\].
+const NOTE: f32 = 13.0;
+
+fn note(ui: &Ui) -> FontId {
+    FontId { size: NOTE, ..TextStyle::Small.resolve(ui.style()) }
+}
+
+/// The numbers of patients, in small letters where they would take a third line.
+fn shares_in(ui: &Ui, shares: String) -> RichText {
+    let (font, color) = (note(ui), ui.visuals().text_color());
+    let galley = ui.painter().layout(shares.clone(), font.clone(), color, ui.available_width());
+    let words = RichText::new(shares);
+    if galley.rows.len() > 2 { words.small() } else { words.font(font) }
+}
+
+/// A text whose signs of percent stay on the line of their numbers.
+fn with_its_number(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
 }
 
 /// Who the patients of a card's line are, and what their words are against.

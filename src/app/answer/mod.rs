@@ -148,7 +148,7 @@ pub(super) fn rows(
         let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
         [
             device.words(card.title),
-            format!("{} {}", card.figure, card.beside),
+            card.in_a_line(),
             word.to_owned(),
             match card.shares {
                 Some(shares) => {
@@ -174,6 +174,17 @@ pub(super) fn shares_in_words(
     };
     let cards = cards(&answer(session, practices, PreviousResults::Shown), findings);
     cards.iter().filter_map(sentence).collect()
+}
+
+/// The numbers of sampled patients by the words of the pressure, as they stand in a line; `None` without patients.
+pub(super) fn shares_of_pressure(
+    (session, practices): (&Session, &Practices),
+    findings: Option<&Findings>,
+) -> Option<String> {
+    let [_, _, pressure] = cards(&answer(session, practices, PreviousResults::Shown), findings);
+    let shares = pressure.shares?;
+    let mut signs = shares.chars();
+    Some(signs.next()?.to_lowercase().chain(signs).collect())
 }
 
 /// The bars of the cards, in the order of [`rows`].

@@ -59,7 +59,7 @@ const ROWS: [Row; 11] = [
             let mmhg = outcome.contact_pressure_mmhg?.max;
             Some(word_of(&bands::PRESSURE, bands::pressure_word(mmhg)))
         }),
-        ..Row::new("Most pressure", "mmHg", 0, Value::Result(Quantity::GreatestPressureMmhg))
+        ..Row::new(PRESSURE, "mmHg", 0, Value::Result(Quantity::GreatestPressureMmhg))
     },
     Row::new("Skin gained", "cm²", 0, Value::Result(Quantity::SkinAreaGainCm2)),
     Row::new("Mound height", "mm", 1, Value::Result(Quantity::SkinProjectionMm)),
@@ -69,7 +69,9 @@ const ROWS: [Row; 11] = [
 const NO_DIFFERENCE: &str = "–";
 
 /// The rows in sight: the size and the figures of the answer.
-const FIRST: [&str; 4] = ["Volume", "Most stretch", "Least cover", "Most pressure"];
+const FIRST: [&str; 4] = ["Volume", "Most stretch", "Least cover", PRESSURE];
+/// The row whose word has the numbers of the sampled patients in a report.
+const PRESSURE: &str = "Most pressure";
 
 impl Row {
     const fn new(name: &'static str, unit: &'static str, decimals: usize, value: Value) -> Self {
@@ -348,11 +350,12 @@ fn cell(ui: &mut Ui, cell: &Cell) {
 }
 
 /// The table as texts, a row each of the name and of cells: number and word. Heads first, with the words of the cards; a band stands
-/// in brackets.
+/// in brackets. `of_pressure`: the words of the plan's sampled patients, in place of the plan's own.
 pub(crate) fn rows<'a>(
     session: &Session,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
     practices: &Practices,
+    of_pressure: Option<String>,
 ) -> Vec<(String, Vec<[String; 2]>)> {
     // A pin of this plan stands in its column.
     let is_equal = |pin: &Pin| pin.scene().is_same_plan(session.scene());
@@ -376,7 +379,7 @@ pub(crate) fn rows<'a>(
     };
     let row = |line: Line| {
         let cells = line.cells.into_iter().zip(&is_printed).filter(|(_, is_printed)| **is_printed);
-        (line.name, cells.map(|(of, _)| cell(of)).collect())
+        (line.name, cells.map(|(of, _)| cell(of)).collect::<Vec<_>>())
     };
     let device = practices.device();
     // A value that is a word stands with the words.
@@ -389,7 +392,14 @@ pub(crate) fn rows<'a>(
         (name, cells.collect::<Vec<_>>())
     });
     let given: Vec<_> = given.collect();
-    let numbers = lines(session, false, sampled, practices).into_iter().map(row);
+    let mut numbers: Vec<_> =
+        lines(session, false, sampled, practices).into_iter().map(row).collect();
+    let pressure = ROWS.iter().position(|row| row.name == PRESSURE);
+    if let Some((_, cells)) = pressure.and_then(|k| numbers.get_mut(k))
+        && let Some((own, words)) = cells.first_mut().zip(of_pressure)
+    {
+        own[1] = words;
+    }
     [head].into_iter().chain(given).chain(numbers).collect()
 }
 
@@ -457,7 +467,7 @@ mod tests {
         let outcome = session.result().unwrap();
         let none = Err(crate::study::NoPractice::Volume);
         let practices = Practices::of_known(scene.clone(), none);
-        let rows = rows(&session, &|_| None, &practices);
+        let rows = rows(&session, &|_| None, &practices, None);
         let cell = |name: &str| {
             let (_, cells) = rows.iter().find(|(of, _)| of == name).unwrap();
             cells[0].clone()
@@ -473,9 +483,13 @@ mod tests {
             [format!("{:.0}", 100.0 * reserve), String::new()]
         );
         assert_eq!(cell("Most pressure, mmHg")[1], "usual", "{rows:?}");
+        let shares = "usual in 6 of 10 such patients, very high 4".to_owned();
+        let rows = super::rows(&session, &|_| None, &practices, Some(shares.clone()));
+        let pressure = rows.iter().find(|(name, _)| name == "Most pressure, mmHg");
+        assert_eq!(pressure.unwrap().1[0][1], shares);
         // A pin of this plan is its column.
         session.apply(Command::Pin).unwrap();
-        let rows = super::rows(&session, &|_| None, &practices);
+        let rows = super::rows(&session, &|_| None, &practices, None);
         assert_eq!(rows[0].1, [["this plan = A", ""]]);
         assert!(rows.iter().all(|(_, cells)| cells.len() == 1), "{rows:?}");
     }

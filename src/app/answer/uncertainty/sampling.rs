@@ -46,6 +46,16 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
+    /// Bands of a few patients, of whom some have no answer, for tests of words.
+    #[cfg(test)]
+    pub(crate) fn of_bands(bands: Vec<Band>, without_answer: usize) -> Self {
+        let counts = [
+            (PointStatus::Converged.word(), FEW - without_answer),
+            (PointStatus::NoShape.word(), without_answer),
+        ];
+        Self { samples: FEW, counts: counts.into(), bands, ..Self::default() }
+    }
+
     /// The band of a quantity; `None` if the quantity does not apply.
     pub(crate) fn band(&self, quantity: Quantity) -> Option<&Band> {
         self.bands.iter().find(|band| band.quantity == quantity)

@@ -15,7 +15,8 @@ const THICK: f64 = 8.0;
 
 pub(super) const STYLE: &str = ".answers{display:flex;flex-wrap:wrap;gap:6px 24px}.answers>div{flex:1 1 190px;min-width:0;break-inside:avoid}\
     .answers h3{font-size:inherit;margin:0}.answers p{margin:1px 0}.answers svg{display:block;width:98%;max-width:300px}\
-    .verdict{font-size:1.6em;font-weight:700;line-height:1.2}.verdict.none{font-size:1.1em;font-weight:400;color:#666}.band1{color:#8f5600}.band2,.band3{color:#a8201a}";
+    .verdict{font-size:1.6em;font-weight:700;line-height:1.2}.verdict.none{font-size:1.1em;font-weight:400;color:#666}.band1{color:#8f5600}.band2,.band3{color:#a8201a}\
+    @media screen and (prefers-color-scheme:dark){.verdict.none{color:#aaa}.band1{color:#e6a645}.band2,.band3{color:#ff8a80}}";
 
 /// The answers: title, figure, word, further line of each, with its bar.
 pub(super) fn answers(page: &mut String, answers: &[([String; 4], Bar)]) {
@@ -55,16 +56,24 @@ fn draw(page: &mut String, bar: &Bar) {
     let mut taken: Vec<[f64; 2]> = Vec::new();
     for (limit, text) in &bar.limits {
         let half = 0.3 * NUMBERS * text.chars().count() as f64;
-        let x = at(*limit).clamp(half, (WIDTH - half).max(half));
+        let x = at(*limit);
+        // At an end of the bar the text ends there, however broad its letters are.
+        let (x, anchor, middle) = if x > WIDTH - half {
+            (WIDTH, "end", WIDTH - half)
+        } else if x < half {
+            (0.0, "start", half)
+        } else {
+            (x, "middle", x)
+        };
         // Another limit may be too close for its text.
-        let own = [x - half - 3.0, x + half];
+        let own = [middle - half - 3.0, middle + half];
         if taken.iter().any(|other| own[0] < other[1] && other[0] < own[1]) {
             continue;
         }
         taken.push(own);
         let _ = write!(
             page,
-            "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"{NUMBERS}\" text-anchor=\"middle\" fill=\"#555\">{}</text>",
+            "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"{NUMBERS}\" text-anchor=\"{anchor}\" fill=\"currentColor\">{}</text>",
             HEIGHT - 2.0,
             escaped(text)
         );
@@ -72,7 +81,7 @@ fn draw(page: &mut String, bar: &Bar) {
     if let Some([low, high]) = bar.range {
         let _ = write!(
             page,
-            "<path d=\"M{:.1} {y}H{:.1}\" stroke=\"#222\" stroke-width=\"2\"/>",
+            "<path d=\"M{:.1} {y}H{:.1}\" stroke=\"currentColor\" stroke-width=\"2\"/>",
             at(low),
             at(high),
             y = TOP - 4.0
@@ -81,7 +90,7 @@ fn draw(page: &mut String, bar: &Bar) {
     if let Some(x) = bar.value.map(at) {
         let _ = write!(
             page,
-            "<path d=\"M{x:.1} {:.1}l-5 -9h10z\" fill=\"#222\" stroke=\"#fff\" stroke-width=\".8\"/>",
+            "<path d=\"M{x:.1} {:.1}l-5 -9h10z\" fill=\"currentColor\" stroke=\"#fff\" stroke-width=\".8\"/>",
             TOP + 3.0
         );
     }
@@ -110,10 +119,18 @@ mod tests {
         };
         let mut page = String::new();
         let texts = ["Skin stretch", "18 % longer", "high", "a < b"].map(str::to_owned);
-        answers(&mut page, &[(texts, bar)]);
+        let answer = [(texts, bar)];
+        answers(&mut page, &answer);
+        let [(_, bar)] = answer;
         assert!(page.contains("<p class=\"verdict band1\">high</p>"), "{page}");
         assert!(page.contains("a &lt; b") && page.contains("fill=\"#ff0000\""), "{page}");
         assert!(page.contains("x=\"120.0\" y=\"26.0\"") && page.contains(">80 %<"), "{page}");
+        // A text at the end of the bar is anchored there: its letters may be broad.
+        let bar = Bar { limits: vec![(1.0, "10 mm".to_owned()), (0.0, "0".to_owned())], ..bar };
+        let mut page = String::new();
+        draw(&mut page, &bar);
+        let ends = ["x=\"240.0\" y=\"26.0\" font-size=\"10\" text-anchor=\"end\"", "x=\"0.0\""];
+        assert!(ends.iter().all(|end| page.contains(end)), "{page}");
         assert!(!page.contains("81 %"), "over the limit before");
         assert!(page.contains("M60.0 11.0l"), "the mark at a quarter: {page}");
     }

@@ -38,11 +38,11 @@ use page::{Page, Picture};
 const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
      alone.";
 /// Sizes of the report's pictures \[points\] with their pixels per point: of a standard pose, a third of the page's width on paper, of plan
-/// and pins side by side, of the cross-section, of cross-section and range of half the page's width. The texts of a broader picture would
-/// be too small to read.
+/// and pins side by side, of the cross-section, which its drawing fills, of cross-section and range of half the page's width. The texts of a
+/// broader picture would be too small to read.
 const POSE: (Vec2, f32) = (vec2(270.0, 260.0), 3.5);
 const PINS: (Vec2, f32) = (vec2(700.0, 180.0), 2.5);
-const SECTION: (Vec2, f32) = (vec2(860.0, 260.0), 2.0);
+const SECTION: (Vec2, f32) = (vec2(560.0, 330.0), 2.5);
 const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
 
 /// The composed picture of the plan. Needs the graphics of a frame.
@@ -120,11 +120,14 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
         let is_round = session.scene().implant.is_round();
         let size = if range.is_ok() || !is_round { HALF } else { SECTION };
         let mut further = Vec::new();
-        for (plane, words) in plots::PLANES.into_iter().rev() {
+        for plane in plots::PLANES.into_iter().rev() {
             let name = match (is_round, plane) {
                 (true, SectionPlane::Along) => continue,
                 (true, SectionPlane::Across) => tr("Cross-section").to_owned(),
-                (false, _) => format!("{}, {}", tr("Cross-section"), tr(words)),
+                (false, _) => {
+                    let name = plots::name_of(plane, session.scene());
+                    format!("{}, {name}", tr("Cross-section"))
+                }
             };
             further.push(take(&name, size, &mut |ui| {
                 egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
@@ -190,7 +193,12 @@ pub(crate) fn report(
         .collect(),
         answers: cards((session, practices), device, findings).into_iter().zip(bars).collect(),
         remarks: remarks(session, device),
-        table: compare::rows(session, &sampled, practices),
+        table: compare::rows(
+            session,
+            &sampled,
+            practices,
+            answer::shares_of_pressure((session, practices), findings),
+        ),
         bands: uncertainty.about_bands(session.scene()),
         steps: filling.steps(session.scene()),
         limits: answer::limits_in_words(session, practices, device, rule_in_short).to_vec(),

@@ -69,8 +69,10 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     .poses{display:flex;gap:10px;margin:10px 0}.poses figure{flex:1 1 0;min-width:0;margin:0}figcaption{color:#666;font-size:13px}.implant{font-weight:600;margin:6px 0}\
     .plan{columns:2 300px;column-gap:28px}.plan p{margin:0;padding:2px 0;border-bottom:1px solid #e4e4e4;display:flex;gap:12px;break-inside:avoid}.plan b{font-weight:400;color:#666;flex:0 0 7em}\
     .visit{margin:6px 0;font-weight:600;overflow-wrap:anywhere}.blank{margin:6px 0;display:flex;flex-wrap:wrap;gap:4px 10px}.blank span{flex:1 1 90px;border-bottom:1px solid #222}.words{font-weight:400;white-space:pre-line;columns:2 250px}\
-    .notes{columns:2 300px;column-gap:20px}.notes p{margin-top:0;break-inside:avoid}\
-    @media print{body{font-size:11px;line-height:1.35;margin:0;max-width:none;padding:0}h1{font-size:18px}\
+    .notes{columns:2 300px;column-gap:20px}.notes p{margin-top:0;break-inside:avoid}.second img{max-width:min(100%,620px)}\
+    @media screen and (prefers-color-scheme:dark){:root{color-scheme:dark}body{background:#16181c;color:#e2e2e2}img{border-color:#444}\
+    th,td,.plan p{border-color:#3a3d42}.quiet,figcaption,.plan b{color:#aaa}.blank span{border-color:#ccc}}\
+    @media print{body{font-size:11px;line-height:1.35;margin:0;max-width:none;padding:0 1px}h1{font-size:18px}\
     h2{font-size:14px;margin:7px 0 1px}p{margin:3px 0}.quiet,figcaption{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
     .second{break-inside:avoid}.second img{max-height:72mm}.poses{margin:5px 0}.plan p{padding:1px 0}.wide{overflow:visible}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
 
@@ -326,5 +328,9 @@ mod tests {
         assert!(html.contains("<td class=\"number\">12</td><td>&lt;script&gt;"), "{html}");
         assert!(html.contains("Not a medical device") && html.contains("not a prediction"));
         assert!(!html.contains("http://") && !html.contains("https://"));
+        // Dark on a dark screen, light on paper, whose edge cuts no frame.
+        assert_eq!(html.matches("@media screen and (prefers-color-scheme:dark)").count(), 2);
+        assert!(!html.contains("@media (prefers-color-scheme"), "{html}");
+        assert!(html.contains("@media print{") && html.contains("padding:0 1px"), "{html}");
     }
 }
