@@ -2,7 +2,7 @@
 
 use super::axes::Words;
 use super::plane::Plane;
-use super::shelf_preview::{Decision, Preview};
+use super::shelf_preview::{AS_EXPANDERS, Decision, Preview};
 use super::{Range, readout};
 use crate::app::frame::action::{Action, Task};
 use crate::app::frame::commands::entry_of;
@@ -18,9 +18,6 @@ use crate::scene::{Field, Scene};
 use crate::study::{JudgedMap, Map, Parameter, with_values};
 use eframe::egui::{self, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, Vec2};
 
-/// What the sizes are beside an expander.
-pub(super) const AS_EXPANDERS: &str =
-    "The plan is an expander: the sizes are compared as expanders.";
 /// Radius of a dot, and distance of a pointer that means the dot \[points\].
 const RADIUS: f32 = 3.5;
 const REACH: f32 = 9.0;

@@ -1,6 +1,5 @@
 //! A table of sizes before it is taken: what its columns are read as, and which rows are left out.
 
-use super::shelf::AS_EXPANDERS;
 use crate::app::plan::device::Device;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::theme;
@@ -8,6 +7,9 @@ use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Column, Draft, LengthUnit, Reading, Shelf, ShelfSize, UnitOrigin};
 use eframe::egui::{self, RichText, Ui};
 
+/// What the sizes are beside an expander.
+pub(super) const AS_EXPANDERS: &str =
+    "The plan is an expander: the sizes are compared as expanders.";
 /// Greatest height of the list of columns, and of the rows that are left out \[points\].
 const COLUMNS_HEIGHT: f32 = 240.0;
 const SKIPPED_HEIGHT: f32 = 120.0;
