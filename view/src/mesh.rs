@@ -10,7 +10,7 @@ use implant_preview_core::mesh::Chest;
 use std::sync::Arc;
 
 /// A vertex: position \[mm\] (3), unit normal (3), coordinates on the net \[cells\] (2; the second negative: no net): on the
-/// skin those of the grid, on a cut face those of [`crate::section::Corner`]; value of the displayed quantity (1, or [`NO_VALUE`]; on a cut face the depth at rest \[mm\]
+/// skin those of the grid, on a cut face those of [`crate::section::Corner`], on a torso first the distance from the nipple \[mm\]; value of the displayed quantity (1, or [`NO_VALUE`]; on a cut face the depth at rest \[mm\]
 /// plus 1000 for skin or 2000 for fat; on the implant the height above the wall \[mm\]), colour (3).
 pub type Vertex = [f32; 12];
 

@@ -7,6 +7,7 @@ use crate::quantity::{Colouring, Quantity};
 use crate::section::{CapTriangle, Section};
 use crate::strokes;
 use crate::subject::Subject;
+use crate::torso::Torso;
 use implant_preview_core::contact::Dome;
 use implant_preview_core::measure::Fields;
 use implant_preview_core::mesh::Chest;
@@ -32,6 +33,10 @@ pub struct Picture {
     /// Meshes in the order of drawing: tissue, cut faces, implant, wall. An unchanged mesh stays the same `Arc`, with
     /// the same indices.
     pub meshes: [Arc<Mesh>; 4],
+    /// The torso with the skin of both sides, in place of the tissue; `None` while it is not asked for.
+    pub torso: Option<Arc<Mesh>>,
+    /// What it was made of.
+    torso_made: Option<(u64, Colouring)>,
     /// Number of meshes made so far.
     pub meshes_made: u64,
     /// The scale's colours.
@@ -106,6 +111,23 @@ impl Picture {
             self.last_shape = Some((start, seconds() - start));
         }
         !stale || reshape
+    }
+
+    /// Updates the torso to the drawn shape and colours, or drops it.
+    pub fn update_torso(&mut self, subject: &impl Subject, torso: Option<&Torso>) {
+        let made = self.shape_made.zip(self.colouring_made);
+        let (Some(torso), Some(fields)) = (torso.filter(|_| !self.body.is_empty()), &self.fields)
+        else {
+            (self.torso, self.torso_made) = (None, None);
+            return;
+        };
+        if made.is_some() && made == self.torso_made {
+            return;
+        }
+        let toward = subject.toward().map(|(to, part)| (&**to, part));
+        let field = self.colouring_made.and_then(|colouring| colouring.quantity.field());
+        self.torso = Some(Arc::new(torso.mesh(fields, toward, field)));
+        self.torso_made = made;
     }
 
     fn should_wait(&self, now: f64) -> bool {

@@ -1,167 +1,315 @@
-//! Lines of a torso behind the tissue, which show where the breast lies: no patient's shape, and no part of the model.
+//! A body around the tissue: the built-in torso with the computed skin on both sides. No patient's shape, and no part of the model.
+//!
+//! The torso's bare chest lies under the plan's wall at the pocket's centre. Each vertex within the patch moves as the computed skin at the
+//! same place over the plane of the frame (the column's displacement, trilinear in its cell); the other side is the mirror image.
 
-use glam::{Vec2, Vec3, vec2};
-use std::f32::consts::TAU;
+use crate::camera::Ball;
+use crate::color::{self, Rgb};
+use crate::mesh::{Mesh, NO_VALUE, Vertex, vertex};
+use glam::{DMat3, DVec2, DVec3, Vec3};
+use implant_preview_core::body::fit::{Settings, fit};
+use implant_preview_core::body::frame::Frame;
+use implant_preview_core::body::marks::Side;
+use implant_preview_core::body::torso::{self, Tape};
+use implant_preview_core::measure::{Field, Fields};
+use std::sync::Arc;
 
-/// Distance of the pocket's centre from the midline \[mm\].
-const MIDLINE_MM: f32 = 100.0;
-/// Height above the pocket's centre, half width and half depth of a section of the trunk \[mm\]: from the hips over the shoulders to
-/// the neck.
-const SECTIONS: [[f32; 3]; 11] = [
-    [-310.0, 128.0, 90.0],
-    [-210.0, 132.0, 96.0],
-    [-120.0, 146.0, 106.0],
-    [-40.0, 158.0, 114.0],
-    [40.0, 164.0, 115.0],
-    [110.0, 176.0, 100.0],
-    [145.0, 182.0, 78.0],
-    [168.0, 150.0, 62.0],
-    [185.0, 92.0, 56.0],
-    [202.0, 62.0, 56.0],
-    [285.0, 56.0, 58.0],
-];
-/// Exponent of a section |x/w|ⁿ + |z/d|ⁿ = 1: flatter in front than an ellipse.
-const EXPONENT: f32 = 2.6;
-/// Points between two points of a line.
-const STEPS: u32 = 8;
+/// Volume of the drawn breast before the operation \[ml\]: the tissue over the implant is that of the plan.
+const VOLUME_ML: f64 = 100.0;
+/// Distance from the fitted skin within which a vertex is skin of the breast's side, not of flank or arm, and its end \[mm\].
+const NEAR_MM: [f64; 2] = [15.0, 30.0];
+/// The second coordinate on the net of a vertex without net, less the part of the colour of a quantity in its colour, 0 to 1; the first
+/// is the distance from the nipple \[mm\].
+const NO_NET: f32 = -1.0;
+/// Width at the patch's border over which the colour of a quantity becomes that of the skin \[mm\].
+const FADE_MM: f64 = 25.0;
+/// Steps from a place over the plane to a place along the wall.
+const STEPS: usize = 4;
+/// The part of the torso's extent that a camera shows \[-\].
+const SHOWN: f32 = 0.52;
 
-/// Outlines of one side \[mm\], from the midline and above the pocket's centre: neck, shoulder and arm; flank and waist; inner arm.
-const OUTLINES: [&[[f32; 2]]; 3] = [
-    &[
-        [52.0, 262.0],
-        [54.0, 215.0],
-        [70.0, 192.0],
-        [120.0, 176.0],
-        [172.0, 158.0],
-        [200.0, 128.0],
-        [212.0, 80.0],
-        [214.0, 0.0],
-        [210.0, -90.0],
-        [206.0, -170.0],
-    ],
-    &[
-        [176.0, 78.0],
-        [166.0, 30.0],
-        [158.0, -40.0],
-        [146.0, -120.0],
-        [134.0, -205.0],
-        [138.0, -260.0],
-        [150.0, -310.0],
-    ],
-    &[[176.0, 78.0], [178.0, 0.0], [176.0, -90.0], [172.0, -170.0]],
-];
-/// Lines of one side on the front \[mm\]: collarbone, fold below the breast.
-const FRONT: [&[[f32; 2]]; 2] = [
-    &[[10.0, 150.0], [60.0, 158.0], [110.0, 168.0], [150.0, 160.0]],
-    &[[34.0, -28.0], [60.0, -62.0], [100.0, -74.0], [138.0, -56.0], [152.0, -10.0], [150.0, 30.0]],
-];
-/// The breastbone, and the chin with its distance before the axis \[mm\].
-const BREASTBONE: [[f32; 2]; 3] = [[0.0, 140.0], [0.0, 40.0], [0.0, -60.0]];
-const CHIN: [[f32; 2]; 5] =
-    [[-46.0, 285.0], [-30.0, 252.0], [0.0, 240.0], [30.0, 252.0], [46.0, 285.0]];
-const CHIN_BEFORE_MM: f32 = 60.0;
-/// Height of the navel and its half width and half height \[mm\].
-const NAVEL: (f32, Vec2) = (-222.0, vec2(7.0, 9.0));
+/// The built-in torso in the coordinates of a plan.
+#[derive(Debug)]
+pub struct Torso {
+    /// Vertices \[mm\] in the coordinates of the tissue.
+    positions: Vec<DVec3>,
+    indices: Arc<Vec<u32>>,
+    /// Colour of the skin; distances from the nearest nipple \[mm\].
+    color: Rgb,
+    from_nipple: Vec<f32>,
+    /// Vertices that move with the skin, on the own side, then on the other.
+    moved: [Vec<Moved>; 2],
+    /// From the coordinates of each side's frame to those of the picture.
+    turns: [DMat3; 2],
+    /// Middle \[mm\], and half of the extent.
+    middle: Vec3,
+    radius_mm: f32,
+    /// Angle of the front about the axis towards the head \[radians\].
+    azimuth: f32,
+}
 
-/// The lines \[mm\] in the coordinates of the tissue: x to the side, y to the head, z away from the wall. The chest's front touches
-/// the wall at the pocket's centre.
-pub fn lines() -> Vec<Vec<Vec3>> {
-    let mut lines = Vec::new();
-    for side in [-1.0, 1.0] {
-        let of = |points: &[[f32; 2]]| -> Vec<Vec2> {
-            smooth(points).into_iter().map(|p| vec2(side * p.x, p.y)).collect()
+/// A vertex of a side.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    vertex: u32,
+    /// Its place over the plane of the side's frame \[mm\].
+    place: DVec2,
+    /// The part of the skin's displacement that it takes \[-\].
+    share: f64,
+}
+
+impl Torso {
+    /// The torso; `None` if no chest is found under its breast, which no built-in torso has.
+    #[must_use]
+    pub fn new() -> Option<Self> {
+        let tape = Tape { breast_volume_ml: VOLUME_ML, ..Tape::OWN };
+        let (body, _) = torso::shaped(&tape).ok()?;
+        let settings = Settings::default();
+        let [own, other] = [Side::Left, Side::Right]
+            .map(|side| fit(&body.surface, &body.marks, side, &settings).ok());
+        let (own, other) = (own?, other?);
+        let moved = [&own, &other].map(|side| {
+            let reach = settings.patch_radius_mm;
+            let of = |(k, at): (usize, &DVec3)| {
+                let local = side.frame.local(*at);
+                let place = local.truncate();
+                let apart = (local.z - side.grid.value(&side.skin_mm, place)).abs();
+                let t = ((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0])).clamp(0.0, 1.0);
+                let is_within = place.length() < reach && t > 0.0;
+                is_within.then_some(Moved {
+                    vertex: k as u32,
+                    place,
+                    share: t * t * (3.0 - 2.0 * t),
+                })
+            };
+            body.surface.positions.iter().enumerate().filter_map(of).collect()
+        });
+        let frame = upright(&own.frame);
+        let positions: Vec<DVec3> =
+            body.surface.positions.iter().map(|at| frame.local(*at)).collect();
+        let nipples = body.marks.nipples.map(|at| frame.local(at).as_vec3());
+        let away = |at: &DVec3| {
+            let [left, right] = nipples.map(|nipple| nipple.distance(at.as_vec3()));
+            left.min(right)
         };
-        lines.extend(OUTLINES.map(|outline| before_axis(of(outline), 0.0)));
-        lines.extend(FRONT.map(|line| on_front(of(line))));
+        let from_nipple = positions.iter().map(away).collect();
+        let front = frame.axes.transpose() * DVec3::Z;
+        let (least, most) = positions
+            .iter()
+            .fold((DVec3::MAX, DVec3::MIN), |(least, most), at| (least.min(*at), most.max(*at)));
+        Some(Self {
+            indices: Arc::new(body.surface.triangles.as_flattened().to_vec()),
+            color: color::tissue("skin", 0),
+            from_nipple,
+            moved,
+            turns: [own.frame, other.frame].map(|side| frame.axes.transpose() * side.axes),
+            middle: (0.5 * (least + most)).as_vec3(),
+            radius_mm: SHOWN * (most - least).truncate().max_element() as f32,
+            azimuth: front.x.atan2(front.z) as f32,
+            positions,
+        })
     }
-    lines.push(on_front(smooth(&BREASTBONE)));
-    lines.push(before_axis(smooth(&CHIN), CHIN_BEFORE_MM));
-    let (height, size) = NAVEL;
-    let around = |k: u32| Vec2::from_angle(TAU * k as f32 / 12.0) * size + vec2(0.0, height);
-    lines.push(on_front((0..=12).map(around).collect()));
-    lines
-}
 
-/// A curve through points (Catmull–Rom).
-fn smooth(points: &[[f32; 2]]) -> Vec<Vec2> {
-    let at = |k: usize| Vec2::from(points[k.min(points.len() - 1)]);
-    let mut curve = Vec::new();
-    for k in 0..points.len() - 1 {
-        let [a, b, c, d] = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
-        let point = |step: u32| {
-            let t = step as f32 / STEPS as f32;
-            let slope = (c - a) + t * (2.0 * a - 5.0 * b + 4.0 * c - d);
-            b + 0.5 * t * (slope + t * t * (3.0 * (b - c) + d - a))
+    /// What a camera shows, its middle, and the angle of the front about the axis towards the head \[radians\].
+    #[must_use]
+    pub fn seen(&self) -> (Ball, Vec3, f32) {
+        (Ball::from(self.radius_mm), self.middle, self.azimuth)
+    }
+
+    /// The torso with the skin of a shape, or with a part of the way to another shape \[-\], in the colours of a field.
+    #[must_use]
+    pub fn mesh(
+        &self,
+        fields: &Fields,
+        toward: Option<(&Fields, f32)>,
+        field: Option<Field>,
+    ) -> Mesh {
+        let skin = Skin::new(fields, toward, field);
+        let mut positions = self.positions.clone();
+        let value = if field.is_some() { 0.0 } else { NO_VALUE };
+        let mut values = vec![[value, 0.0]; positions.len()];
+        let border = fields.solution().problem().sheet().radius_mm();
+        for (side, moved) in self.moved.iter().enumerate() {
+            for &Moved { vertex, place, share } in moved {
+                let (move_mm, value) = skin.at(place);
+                positions[vertex as usize] += share * (self.turns[side] * move_mm);
+                // Where both patches overlap, that of the nearer pocket counts.
+                let part = (share * smooth((border - place.length()) / FADE_MM)) as f32;
+                let own = &mut values[vertex as usize];
+                if let Some(value) = value.filter(|_| part > own[1]) {
+                    *own = [value, part];
+                }
+            }
+        }
+        let normals = self.normals(&positions);
+        let of = |k: usize| -> Vertex {
+            let [value, part] = values[k];
+            let grid = [self.from_nipple[k], NO_NET - part];
+            vertex(positions[k].as_vec3(), normals[k], grid, value, self.color)
         };
-        curve.extend((0..STEPS).map(point));
+        Mesh {
+            vertices: (0..positions.len()).map(of).collect(),
+            indices: Arc::clone(&self.indices),
+        }
     }
-    curve.push(at(points.len() - 1));
-    curve
+
+    /// Area-weighted normals.
+    fn normals(&self, positions: &[DVec3]) -> Vec<Vec3> {
+        let mut sums = vec![DVec3::ZERO; positions.len()];
+        for triangle in self.indices.as_chunks::<3>().0 {
+            let [a, b, c] = triangle.map(|k| positions[k as usize]);
+            let normal = (b - a).cross(c - a);
+            for k in triangle {
+                sums[*k as usize] += normal;
+            }
+        }
+        sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z).as_vec3()).collect()
+    }
 }
 
-/// Points at a distance before the torso's axis \[mm\].
-fn before_axis(points: Vec<Vec2>, distance: f32) -> Vec<Vec3> {
-    points.into_iter().map(|p| Vec3::new(p.x - MIDLINE_MM, p.y, axis() + distance)).collect()
+/// A smooth step from 0 to 1.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
-/// Points on the front of the trunk.
-fn on_front(points: Vec<Vec2>) -> Vec<Vec3> {
-    let at = |p: Vec2| Vec3::new(p.x - MIDLINE_MM, p.y, axis() + front(section(p.y), p.x));
-    points.into_iter().map(at).collect()
+/// The frame turned about its x until its y is the body's axis towards the head: a standing patient is upright.
+fn upright(frame: &Frame) -> Frame {
+    let front = frame.axes.z_axis.with_y(0.0).normalize_or(DVec3::Z);
+    Frame { axes: DMat3::from_cols(DVec3::Y.cross(front), DVec3::Y, front), ..*frame }
 }
 
-/// Height of the torso's axis over the wall \[mm\], below 0.
-fn axis() -> f32 {
-    -front(section(0.0), MIDLINE_MM)
+/// The skin of a shape over its grid.
+struct Skin<'a> {
+    fields: &'a Fields,
+    toward: Option<(&'a Fields, f32)>,
+    field: Option<Field>,
+    /// Reciprocal spacing \[1/mm\], nodes a side.
+    per_spacing: f64,
+    side: usize,
 }
 
-/// Half width and half depth at a height, between two sections \[mm\].
-fn section(height: f32) -> [f32; 2] {
-    let after = SECTIONS.partition_point(|section| section[0] < height);
-    let after = after.clamp(1, SECTIONS.len() - 1);
-    let [[y0, w0, d0], [y1, w1, d1]] = [SECTIONS[after - 1], SECTIONS[after]];
-    let t = ((height - y0) / (y1 - y0)).clamp(0.0, 1.0);
-    [w0 + t * (w1 - w0), d0 + t * (d1 - d0)]
-}
+impl<'a> Skin<'a> {
+    fn new(fields: &'a Fields, toward: Option<(&'a Fields, f32)>, field: Option<Field>) -> Self {
+        let sheet = fields.solution().problem().sheet();
+        let (per_spacing, side) = (1.0 / sheet.spacing_mm(), sheet.nodes_per_side());
+        Self { fields, toward, field, per_spacing, side }
+    }
 
-/// Distance of the front of a section from the axis at a distance from the midline \[mm\].
-fn front([width, depth]: [f32; 2], distance: f32) -> f32 {
-    depth * (1.0 - (distance / width).abs().powf(EXPONENT)).max(0.0).powf(1.0 / EXPONENT)
+    /// Displacement \[mm\] and value at a place over the plane.
+    fn at(&self, place: DVec2) -> (DVec3, Option<f32>) {
+        let problem = self.fields.solution().problem();
+        if place.length() >= problem.sheet().radius_mm() {
+            return (DVec3::ZERO, None);
+        }
+        // The skin at rest over that place is another place along a curved wall.
+        let (chest, layers) = (&problem.obstacle.wall.0, problem.rest.layers() - 1);
+        let height: f64 = problem.rest.cells().iter().map(|cells| cells.height_mm).sum();
+        let mut along = place;
+        for _ in 0..STEPS {
+            let within = along.clamp_length_max(problem.sheet().radius_mm());
+            let foot = chest.point(within, height).truncate();
+            along = within + (place - foot);
+        }
+        let at = along * self.per_spacing + DVec2::splat(0.5 * (self.side - 1) as f64);
+        let most = (self.side - 1) as f64;
+        let at = at.clamp(DVec2::ZERO, DVec2::splat(most));
+        let low = at.floor().min(DVec2::splat(most - 1.0));
+        let (t, k) = (at - low, low.y as usize * self.side + low.x as usize);
+        let corners = [k, k + 1, k + self.side, k + self.side + 1];
+        let weights = [(1.0 - t.x) * (1.0 - t.y), t.x * (1.0 - t.y), (1.0 - t.x) * t.y, t.x * t.y];
+        let moved = |k: usize| {
+            let here = self.top(self.fields, k);
+            let to = self
+                .toward
+                .map_or(here, |(to, part)| here + f64::from(part) * (self.top(to, k) - here));
+            to - problem.rest.node(layers, k)
+        };
+        let move_mm = corners.into_iter().zip(weights).map(|(k, w)| w * moved(k)).sum();
+        let value = self.field.and_then(|field| {
+            let own = self.fields.values(field);
+            let to = self.toward.map(|(to, part)| (to.values(field), part));
+            let value = |k: usize| {
+                let here = own.get(k).copied()?;
+                let there = to.and_then(|(to, part)| Some(part * (to.get(k)? - here)));
+                Some(f64::from(here + there.unwrap_or(0.0)))
+            };
+            let parts = corners.into_iter().zip(weights).map(|(k, w)| Some(w * value(k)?));
+            parts.sum::<Option<f64>>().map(|value| value as f32)
+        });
+        (move_mm, value)
+    }
+
+    /// The outermost node of a column.
+    fn top(&self, fields: &Fields, node: usize) -> DVec3 {
+        let solution = fields.solution();
+        solution.outer().last().map_or(solution.inner()[node], |layer| layer[node])
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use implant_preview_core::scene::{CheckedScene, Scene};
+    use implant_preview_core::simulate::run;
+    use implant_preview_core::solve::Options;
 
-    #[test]
-    fn the_front_touches_the_wall_at_the_pocket_and_both_sides_are_alike() {
-        assert!((axis() + front(section(0.0), MIDLINE_MM)).abs() < 1e-4);
-        let lines = lines();
-        assert!(lines.iter().flatten().all(|p| p.is_finite() && p.z < 30.0));
-        let of_a_side = OUTLINES.len() + FRONT.len();
-        for (left, right) in lines[..of_a_side].iter().zip(&lines[of_a_side..]) {
-            for (a, b) in left.iter().zip(right) {
-                assert!((a.x + b.x + 2.0 * MIDLINE_MM).abs() < 1e-3 && (a.y - b.y).abs() < 1e-3);
-            }
-        }
+    fn fields(insertion: f64) -> Fields {
+        let mut scene = Scene { insertion, ..Scene::default() };
+        scene.solver.nodes_per_side = 33;
+        let scene = CheckedScene::new(scene).unwrap();
+        Fields::new(run(&scene, Options::default(), None).solution)
+    }
+
+    fn positions(mesh: &Mesh) -> Vec<Vec3> {
+        mesh.vertices.iter().map(|v| Vec3::new(v[0], v[1], v[2])).collect()
     }
 
     #[test]
-    fn a_curve_goes_through_its_points_and_the_parts_lie_from_the_navel_to_the_chin() {
-        let points = FRONT[1];
-        let curve = smooth(points);
-        for point in points {
-            assert!(curve.iter().any(|p| p.distance(Vec2::from(*point)) < 1e-3), "{point:?}");
+    fn without_an_implant_the_torso_stays_and_with_one_both_breasts_rise_alike() {
+        let torso = Torso::new().unwrap();
+        let [flat, full] =
+            [0.0, 1.0].map(|insertion| positions(&torso.mesh(&fields(insertion), None, None)));
+        let rest: Vec<Vec3> = torso.positions.iter().map(|at| at.as_vec3()).collect();
+        let greatest =
+            |of: &[Vec3]| of.iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(greatest(&flat) < 0.05, "{}", greatest(&flat));
+        assert!((15.0..70.0).contains(&greatest(&full)), "{}", greatest(&full));
+        // Away from the patches every vertex stays to the last bit.
+        let moved: std::collections::HashSet<u32> =
+            torso.moved.iter().flatten().map(|moved| moved.vertex).collect();
+        for (k, (at, rest)) in full.iter().zip(&rest).enumerate() {
+            assert!(moved.contains(&(k as u32)) || at == rest);
         }
-        let lines = lines();
-        let heights = |line: &[Vec3]| {
-            line.iter().fold([f32::MAX, f32::MIN], |[a, b], p| [a.min(p.y), b.max(p.y)])
+        let rise = |side: usize| {
+            let way = |m: &Moved| full[m.vertex as usize].distance(rest[m.vertex as usize]);
+            torso.moved[side].iter().map(way).fold(0.0, f32::max)
         };
-        let [.., breastbone, chin, navel] = &lines[..] else { panic!("lines") };
-        let [navel, bone, chin] = [navel, breastbone, chin].map(|line| heights(line));
-        assert!(navel[1] < bone[0] && bone[1] < chin[0], "{navel:?} {bone:?} {chin:?}");
-        // The fold of the other breast is below that breast's middle, beside the tissue.
-        let fold = &lines[OUTLINES.len() + 1];
-        assert!(heights(fold)[0] < -60.0 && fold.iter().all(|p| p.x < -120.0), "{fold:?}");
+        assert!((rise(0) - rise(1)).abs() < 0.01 * rise(0), "{} {}", rise(0), rise(1));
+    }
+
+    /// The normals of neighbours across the patch's border turn by no more than those of the torso at rest, and 2°.
+    #[test]
+    fn the_skin_passes_the_border_of_the_patch_without_a_seam() {
+        let torso = Torso::new().unwrap();
+        let normals = |mesh: &Mesh| -> Vec<Vec3> {
+            mesh.vertices.iter().map(|v| Vec3::new(v[3], v[4], v[5])).collect()
+        };
+        let rest = torso.normals(&torso.positions);
+        let full = normals(&torso.mesh(&fields(1.0), None, None));
+        let other: std::collections::HashSet<u32> =
+            torso.moved[1].iter().map(|m| m.vertex).collect();
+        let turned = torso.moved[0]
+            .iter()
+            .filter(|m| m.place.length() > 118.0 && m.share > 0.99 && !other.contains(&m.vertex));
+        let turned: Vec<f32> = turned
+            .map(|m| rest[m.vertex as usize].angle_between(full[m.vertex as usize]).to_degrees())
+            .collect();
+        assert!(turned.len() > 40, "{}", turned.len());
+        assert!(
+            turned.iter().all(|angle| *angle < 2.0),
+            "{:?}",
+            turned.iter().copied().fold(0.0, f32::max)
+        );
     }
 }

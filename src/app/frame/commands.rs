@@ -126,7 +126,7 @@ pub(crate) const COMMANDS: [Entry; 46] = [
     entry(
         Task::Torso,
         "Torso",
-        "Lines of a torso behind the tissue: which side is up, where the breast lies. No patient's shape",
+        "A body with both breasts as the plan makes them, uncut. No patient's shape",
     ),
     keyed(
         Task::Ruler,

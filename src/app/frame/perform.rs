@@ -96,20 +96,18 @@ impl App {
             Task::Undo => self.execute(Command::Undo),
             Task::Redo => self.execute(Command::Redo),
             Task::Pin => self.execute(Command::Pin),
-            Task::Look(View::Front) if options.torso => viewport.look_at_torso(session, true),
-            Task::Look(view) => viewport.fit(session, view),
-            Task::Show(subject) => options.set_subject(subject),
-            Task::Cut(section, half) => (options.section, options.half) = (section, half),
+            Task::Look(view) => viewport.look(session, options, view),
+            Task::Show(subject) => viewport.change(session, options, |o| o.set_subject(subject)),
+            Task::Cut(section, half) => viewport.change(session, options, |options| {
+                (options.section, options.half) = (section, half);
+            }),
             Task::Colour(k) => {
                 options.quantity = QUANTITIES.get(k).copied().unwrap_or(Quantity::Tissue);
             }
             Task::Grid => options.net = !options.net,
             Task::Areola => *options.areola_mut() = !options.has_areola(),
             Task::CrossSection => *show_strip = !*show_strip,
-            Task::Torso => {
-                options.torso = !options.torso;
-                viewport.look_at_torso(session, options.torso);
-            }
+            Task::Torso => viewport.change(session, options, |o| o.torso = !o.torso),
             Task::Ruler => {
                 self.panels.range.is_open = false;
                 viewport.toggle_ruler();

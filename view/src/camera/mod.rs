@@ -150,6 +150,20 @@ impl Camera {
         Self { pose, is_standing: true, ..Self::new(ball, aspect) }
     }
 
+    /// The same view of another place \[mm\].
+    #[must_use]
+    pub fn moved_to(mut self, target: Vec3) -> Self {
+        self.pose.target = target;
+        self
+    }
+
+    /// The view turned about the upright axis \[radians\].
+    #[must_use]
+    pub fn turned_by(mut self, azimuth: f32) -> Self {
+        self.pose.azimuth += azimuth;
+        self
+    }
+
     /// A direction of the frame of azimuth and elevation in the world.
     fn turned(&self, v: Vec3) -> Vec3 {
         if self.is_standing { Vec3::new(v.x, v.z, -v.y) } else { v }

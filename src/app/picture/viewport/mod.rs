@@ -28,10 +28,12 @@ use crate::study::SectionBand;
 use crate::view::body::Body;
 use crate::view::camera::{Ball, Camera, Standing, View};
 use crate::view::color::{Rgb, Scale};
+use crate::view::mesh::Mesh;
 use crate::view::picture::Picture;
 use crate::view::quantity::{Colouring, Quantity};
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{Between, LastAnswer, Subject};
+use crate::view::torso::Torso;
 use crate::view::wall;
 use eframe::egui::{self, Align2, Pos2, Rect, Response, Sense, TextStyle, Ui, WidgetInfo};
 use eframe::{egui_glow, glow};
@@ -41,6 +43,7 @@ use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
 use std::borrow::Cow;
+use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
 
@@ -117,6 +120,8 @@ pub(crate) struct Viewport {
     handles: Option<ShapeIdx>,
     marks: Marks,
     picture: Picture,
+    /// The torso, once it is drawn.
+    torso: Option<Rc<Torso>>,
     /// The pins' pictures beside the picture.
     panes: Vec<Pane>,
     /// Colour table of all pictures side by side.
@@ -127,6 +132,18 @@ pub(crate) struct Viewport {
 
 /// Number of the current scene's picture; the pins' numbers are greater.
 const CURRENT: u64 = 0;
+
+/// The meshes of a picture, one for each material: the torso, or all others.
+fn meshes_of(picture: &Picture) -> [Arc<Mesh>; 5] {
+    let [tissue, cap, implant, wall] = picture.meshes.clone();
+    match &picture.torso {
+        Some(torso) => {
+            let none = || Arc::default();
+            [none(), none(), none(), none(), Arc::clone(torso)]
+        }
+        None => [tissue, cap, implant, wall, Arc::default()],
+    }
+}
 
 /// What is drawn in an area.
 struct Drawn<'a> {
@@ -162,6 +179,7 @@ impl Viewport {
             handles: None,
             marks: Marks::default(),
             picture: Picture::default(),
+            torso: None,
             panes: Vec::new(),
             common_table: Arc::default(),
             start: Instant::now(),
@@ -263,10 +281,14 @@ impl Viewport {
         self.panes.clear();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
-        self.place_camera(wall::ball(session.problem()), area.width() / area.height());
+        let torso = self.torso(options);
+        let ball = wall::ball(session.problem());
+        self.place_camera(ball, area.width() / area.height(), torso.as_deref());
         if let Some(standing) = shown.standing {
-            let ball = wall::ball(session.problem());
-            self.camera = Camera::standing(ball, self.aspect, standing);
+            self.camera = match &torso {
+                Some(torso) => torso::standing(torso, self.aspect, standing),
+                None => Camera::standing(ball, self.aspect, standing),
+            };
         }
         self.camera.mirror(session.scene().is_right());
         let section = section_of(options, session.problem());
@@ -274,6 +296,7 @@ impl Viewport {
         let clock = || start.elapsed().as_secs_f64();
         let colouring = colouring(session, options.quantity, practices);
         let up_to_date = self.picture.update(session, colouring, section, &clock);
+        self.picture.update_torso(session, torso.as_deref());
         let moved = self.move_camera(ui, &response, area);
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
@@ -283,9 +306,6 @@ impl Viewport {
         }
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
-        if options.torso {
-            self.draw_torso(ui, &painter, area);
-        }
         let scale = self.picture.scale.as_ref();
         let drawn = Drawn {
             number: CURRENT,
@@ -316,7 +336,7 @@ impl Viewport {
         };
         let taken = [scale.map_or(Rect::NOTHING, legend), bar];
         let (right, up) = self.camera.right_and_up();
-        let words = directions::words(right, up, options.torso);
+        let words = directions::words(right, up, self.picture.torso.is_some());
         let taken = overlay::directions(ui, &painter, free, &words, &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section, taken: &taken };
@@ -360,7 +380,7 @@ impl Viewport {
         let frame = Frame {
             picture: number,
             pictures: numbers,
-            meshes: picture.meshes.clone(),
+            meshes: meshes_of(picture),
             table: Arc::clone(table),
             range,
             clip_from_world: self.camera.clip_from_world(self.aspect),

@@ -1,8 +1,10 @@
 //! Movements of the camera by pointer, fingers and keys.
 
 use super::Viewport;
+use super::torso::standing;
 use crate::app::widgets::arrow_keys;
-use crate::view::camera::{Ball, Camera};
+use crate::view::camera::{Ball, Camera, Standing};
+use crate::view::torso::Torso;
 use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec2;
 
@@ -13,13 +15,16 @@ const CLEARANCE_MM: f32 = 50.0;
 
 impl Viewport {
     /// Fits the camera to a new aspect ratio, unless the user has moved the camera.
-    pub(super) fn place_camera(&mut self, ball: Ball, aspect: f32) {
+    pub(super) fn place_camera(&mut self, ball: Ball, aspect: f32, torso: Option<&Torso>) {
         if !self.is_placed {
             self.fitted = Some(ball);
         }
         let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
         if let Some(ball) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
-            self.camera = Camera::new(ball, aspect);
+            self.camera = match torso {
+                Some(torso) => standing(torso, aspect, Standing::ThreeQuarter),
+                None => Camera::new(ball, aspect),
+            };
         }
         (self.is_placed, self.aspect) = (true, aspect);
     }

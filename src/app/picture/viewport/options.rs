@@ -44,7 +44,7 @@ pub(crate) struct Options {
     pub(crate) areola: bool,
     /// Draw the edge of the areola in the colours of a quantity?
     pub(crate) areola_edge: bool,
-    /// Draw the lines of a torso behind the tissue?
+    /// Draw a torso with both breasts in place of the tissue, where it is not cut?
     pub(crate) torso: bool,
 }
 
@@ -58,6 +58,11 @@ impl Options {
     /// Sets colouring and cut.
     pub(crate) fn set_subject(&mut self, subject: Subject) {
         (self.quantity, self.section) = subject.parts();
+    }
+
+    /// Is a torso drawn in place of the tissue?
+    pub(crate) fn has_torso(&self) -> bool {
+        self.torso && !self.section
     }
 
     /// Is the line of the pocket's edge drawn? On natural, uncut skin it looks like a scar.
@@ -99,7 +104,7 @@ impl Default for Options {
             net: false,
             areola: true,
             areola_edge: false,
-            torso: false,
+            torso: true,
         }
     }
 }

@@ -253,12 +253,6 @@ fn label_heights(scale: &Scale, bar: Rect, spacing: f32) -> Vec<f32> {
     heights
 }
 
-/// Draws a faint line of the torso.
-pub(crate) fn torso(ui: &Ui, painter: &Painter, points: Vec<Pos2>) {
-    let stroke = Stroke::new(1.5, ui.visuals().weak_text_color().gamma_multiply(0.7));
-    painter.add(Shape::line(points, stroke));
-}
-
 /// Draws a line of an envelope: outer solid, inner dashed, on a light ground over any colour.
 pub(crate) fn envelope(ui: &Ui, painter: &Painter, points: Vec<Pos2>, is_outer: bool) {
     let (line, ground) = (ui.visuals().text_color(), ui.visuals().panel_fill.gamma_multiply(0.6));

@@ -52,9 +52,13 @@ impl Viewport {
         if self.fitted.is_some_and(|fitted| fitted.radius_mm < ball.radius_mm) {
             self.is_placed = false;
         }
-        self.place_camera(ball, own_area.width() / own_area.height());
+        let torso = self.torso(options);
+        self.place_camera(ball, own_area.width() / own_area.height(), torso.as_deref());
         if let Some(standing) = shown.standing {
-            self.camera = Camera::standing(ball, self.aspect, standing);
+            self.camera = match &torso {
+                Some(torso) => super::torso::standing(torso, self.aspect, standing),
+                None => Camera::standing(ball, self.aspect, standing),
+            };
         }
 
         let own = self.interact(ui, own_area);
@@ -208,6 +212,7 @@ impl Viewport {
     ) -> bool {
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
+        let torso = self.torso(options);
         for (pane, shape) in self.panes.iter_mut().zip(pins) {
             // A quantity of layered tissue has no values in a sheet.
             let is_known = options.quantity.is_of(shape.scene());
@@ -215,10 +220,13 @@ impl Viewport {
             let section = section_of(options, shape.problem());
             let colouring = colouring(shape, quantity, practices);
             pane.picture.update(shape, colouring, section, &clock);
+            pane.picture.update_torso(shape, torso.as_deref());
         }
         let section = section_of(options, Subject::problem(session));
         let colouring = colouring(session, options.quantity, practices);
-        self.picture.update(session, colouring, section, &clock)
+        let up_to_date = self.picture.update(session, colouring, section, &clock);
+        self.picture.update_torso(session, torso.as_deref());
+        up_to_date
     }
 }
 

@@ -1,4 +1,4 @@
-//! Renderer of the pictures: one shader program, four meshes for each picture, a colour table.
+//! Renderer of the pictures: one shader program, five meshes for each picture, a colour table.
 //!
 //! Uploads changes only: a mesh, its indices or a table with the same `Arc` as before is not uploaded
 //! again.
@@ -22,10 +22,12 @@ pub(crate) enum Material {
     Implant = 2,
     /// The chest wall.
     Wall = 3,
+    /// The torso with its skin, in place of all others.
+    Torso = 4,
 }
 
-const MATERIALS: [Material; 4] =
-    [Material::Tissue, Material::Cap, Material::Implant, Material::Wall];
+const MATERIALS: [Material; 5] =
+    [Material::Tissue, Material::Cap, Material::Implant, Material::Wall, Material::Torso];
 
 /// How the areola is drawn; the number is the shader's `u_areola`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +48,7 @@ pub(crate) struct Frame {
     /// The pictures in use; the buffers of others are freed.
     pub(crate) pictures: Arc<[u64]>,
     /// A mesh for each material.
-    pub(crate) meshes: [Arc<Mesh>; 4],
+    pub(crate) meshes: [Arc<Mesh>; 5],
     /// Colour table of the displayed quantity.
     pub(crate) table: Arc<Vec<Rgb>>,
     /// Field values at the ends of the table.

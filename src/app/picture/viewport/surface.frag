@@ -4,7 +4,7 @@ uniform vec3 u_right;
 uniform vec3 u_up;
 uniform vec2 u_range;        // field values at the ends of the colour table
 uniform sampler2D u_table;
-uniform int u_material;      // 0 tissue surface, 1 cut face, 2 implant, 3 chest wall
+uniform int u_material;      // 0 tissue surface, 1 cut face, 2 implant, 3 chest wall, 4 torso
 uniform bool u_cut;          // take away what lies in front of both planes
 uniform vec3 u_planes[2];
 uniform vec3 u_axis;
@@ -92,6 +92,7 @@ void main() {
     vec2 width = fwidth(v_grid);
     bool has_net = v_grid.y > -0.5;
 
+    bool skin = u_material == 0 || u_material == 4;
     vec3 view = normalize(u_eye - v_position);
     vec3 normal = normalize(v_normal);
     if (dot(normal, view) < 0.0) normal = -normal;
@@ -105,11 +106,12 @@ void main() {
     float coverage = u_cut ? clamp(0.5 - in_front / max(fwidth(in_front), 1e-6), 0.0, 1.0) : 1.0;
     if (coverage <= 0.0) discard;
 
-    bool has_value = u_material == 0 && v_value > -1.0e8;
+    bool has_value = skin && v_value > -1.0e8;
     vec3 base = v_color;
     if (has_value) {
         float t = clamp((v_value - u_range.x) / (u_range.y - u_range.x), 0.0, 1.0);
-        base = texture(u_table, vec2(t, 0.5)).rgb;
+        vec3 scale = texture(u_table, vec2(t, 0.5)).rgb;
+        base = u_material == 4 ? mix(base, scale, clamp(-1.0 - v_grid.y, 0.0, 1.0)) : scale;
     }
     base = linear_of(base);
     if (u_material == 1) base = patterned(base, 0.7 * length(fwidth(v_position)));
@@ -119,7 +121,7 @@ void main() {
     float areola = 0.0;
     if (u_areola == 1) {
         // The edge is soft, the nipple a little darker.
-        float radius = from_middle * u_cell;
+        float radius = u_material == 4 ? v_grid.x : from_middle * u_cell;
         areola = 1.0 - smoothstep(AREOLA - 1.6, AREOLA + 0.8, radius);
         float nipple = 1.0 - smoothstep(NIPPLE - 1.2, NIPPLE + 1.2, radius);
         base = mix(base, vec3(0.42, 0.17, 0.13), areola * (0.62 + 0.2 * nipple));
@@ -132,13 +134,13 @@ void main() {
     vec3 behind = normalize(0.9 * u_up - 0.35 * back + 0.45 * u_right);
     vec3 ambient = mix(vec3(0.20, 0.18, 0.18), vec3(0.40, 0.42, 0.45), 0.5 + 0.5 * normal.z);
 
-    if (u_material == 0) ambient *= 0.88;
-    bool soft = u_material == 0 || u_material == 1;
+    if (skin) ambient *= 0.88;
+    bool soft = skin || u_material == 1;
     float wrap = soft ? 0.24 : 0.20;
     float lit = clamp((dot(normal, key) + wrap) / (1.0 + wrap), 0.0, 1.0);
     float filled = clamp(dot(normal, fill), 0.0, 1.0);
     vec3 light = ambient + vec3(0.78, 0.76, 0.73) * lit + vec3(0.10, 0.11, 0.13) * filled;
-    if (u_material == 0 && !has_value) {
+    if (skin && !has_value) {
         // Subsurface scattering: light through the skin is red where the surface turns away.
         light += vec3(0.10, 0.025, 0.015) * (1.0 - lit);
     }
@@ -160,7 +162,7 @@ void main() {
     float glance = clamp(dot(normal, halfway), 0.0, 1.0);
     float aside = 1.0 - facing;
     float rim = aside * aside * aside * clamp(dot(normal, behind) + 0.2, 0.0, 1.0);
-    if (u_material == 0) {
+    if (skin) {
         float glance2 = glance * glance;
         float glance8 = glance2 * glance2 * glance2 * glance2;
         color += vec3(0.07) * glance8 * glance8 * (1.0 - 0.5 * areola) + vec3(0.16, 0.145, 0.14) * rim;

@@ -1,31 +1,54 @@
-//! The lines of a torso behind the tissue, and the camera that shows them.
+//! The torso in place of the tissue, and the cameras before it.
 
-use super::{Viewport, overlay};
+use super::{Options, Viewport};
 use crate::session::Session;
-use crate::view::camera::{Ball, View};
-use crate::view::torso;
-use eframe::egui::{Painter, Rect, Ui};
+use crate::view::camera::{Camera, Standing, View};
+use crate::view::torso::Torso;
+use std::rc::Rc;
 
-/// Radius of what the camera shows of a torso, relative to that of the tissue \[-\].
-const ROOM: f32 = 2.0;
+/// The camera of a standard pose before a torso.
+pub(super) fn standing(torso: &Torso, aspect: f32, standing: Standing) -> Camera {
+    let (ball, middle, azimuth) = torso.seen();
+    Camera::standing(ball, aspect, standing).moved_to(middle).turned_by(azimuth)
+}
 
 impl Viewport {
-    /// Turns to the front of the torso, or back to the tissue.
-    pub(crate) fn look_at_torso(&mut self, session: &Session, is_shown: bool) {
-        if !is_shown {
-            return self.fit(session, View::All);
+    /// The torso, if these options draw it: uncut.
+    pub(super) fn torso(&mut self, options: &Options) -> Option<Rc<Torso>> {
+        if !options.has_torso() {
+            return None;
         }
-        let ball = self.ball_to_fit(session);
-        let ball = Ball { radius_mm: ROOM * ball.radius_mm, ..ball };
-        self.camera.fit(ball, self.aspect, View::Front);
-        self.fitted = None;
+        if self.torso.is_none() {
+            self.torso = Torso::new().map(Rc::new);
+        }
+        self.torso.clone()
     }
 
-    /// Draws the lines; the tissue drawn later hides those behind it.
-    pub(super) fn draw_torso(&self, ui: &Ui, painter: &Painter, area: Rect) {
-        for line in torso::lines() {
-            let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
-            overlay::torso(ui, painter, points);
+    /// Changes the options; with or without a torso from now on, the camera moves to its first view.
+    pub(crate) fn change(
+        &mut self,
+        session: &Session,
+        options: &mut Options,
+        change: impl FnOnce(&mut Options),
+    ) {
+        let had_torso = options.has_torso();
+        change(options);
+        if options.has_torso() != had_torso {
+            self.look(session, options, View::All);
         }
+    }
+
+    /// Moves the camera to a standard view, before a torso if these options draw it.
+    pub(crate) fn look(&mut self, session: &Session, options: &Options, view: View) {
+        let pose = match view {
+            View::Front => Standing::Front,
+            View::Side => Standing::Side,
+            View::All => Standing::ThreeQuarter,
+            View::Top => return self.fit(session, view),
+        };
+        let Some(torso) = self.torso(options) else { return self.fit(session, view) };
+        self.camera = standing(&torso, self.aspect, pose);
+        // A new aspect ratio restores the three-quarter view only.
+        self.fitted = (view == View::All).then(|| self.ball_to_fit(session));
     }
 }
