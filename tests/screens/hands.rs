@@ -41,6 +41,14 @@ fn picture(harness: &Screen) -> egui::Rect {
     harness.get_by_role_and_label(Role::Canvas, "3-D view").rect()
 }
 
+/// The tissue on the chest wall, without the torso.
+fn lying() -> Screen {
+    let mut harness = desktop();
+    press(&mut harness, "Inside");
+    harness.run_steps(40);
+    harness
+}
+
 #[test]
 fn the_torso_is_a_switch_and_on_at_first() {
     let mut harness = desktop();
@@ -354,7 +362,7 @@ fn a_drag_moves_the_implant_in_its_pocket_in_one_step() {
 
 #[test]
 fn arrow_keys_move_and_raise_the_implant_too() {
-    let mut harness = desktop();
+    let mut harness = lying();
     let before = scene(&harness).implant;
     for (name, key) in [("Move the implant", Key::ArrowLeft), ("Raise the implant", Key::ArrowUp)] {
         harness.get_by_role_and_label(Role::Button, name).focus();
@@ -369,7 +377,7 @@ fn arrow_keys_move_and_raise_the_implant_too() {
 
 #[test]
 fn a_drag_up_raises_the_implant_and_escape_restores_the_plan() {
-    let mut harness = desktop();
+    let mut harness = lying();
     let before = scene(&harness);
     let end = drag(&mut harness, "Raise the implant", vec2(0.0, -30.0));
     assert!(reading(&harness, "Drag: ").unwrap().contains("Projection "));

@@ -32,6 +32,7 @@ fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan()
                 *scene = flat_plan();
                 scene.side = is_right.then_some(Side::Right);
             });
+            press(&mut harness, "Inside");
             if size == PHONE {
                 press(&mut harness, "Implant");
             }

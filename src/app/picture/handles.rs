@@ -19,7 +19,7 @@ use glam::{Vec2, Vec3};
 const RADIUS: f32 = 9.0;
 /// Radius around a handle in which the mouse takes the handle, and a finger \[points\].
 const REACH: [f32; 2] = [12.0, 0.5 * theme::TOUCH];
-/// Distance of the handle of the projection above that of the position, for a mouse and a finger \[points\].
+/// Distance of the handle of the projection outwards from that of the position, for a mouse and a finger \[points\].
 const ABOVE: [f32; 2] = [30.0, theme::TOUCH];
 /// Least length on the screen of a millimetre up for the handle of the projection \[points\].
 const LEAST_UP: f32 = 0.5;
@@ -102,7 +102,10 @@ impl Handles {
         let Some((at, axes)) = on_screen(viewport, apex, area) else { return };
         let finger = usize::from(ui.input(egui::InputState::has_touch_screen));
         let is_shown = finger > 0 || self.drag.is_some() || ui.rect_contains_pointer(area);
-        let kinds = [(Kind::Position, at), (Kind::Projection, at - vec2(0.0, ABOVE[finger]))];
+        // Away from the wall on the screen: up, or to the side before a standing patient.
+        let outwards = axes.0[2].normalize_or(-Vec2::Y);
+        let outwards = vec2(outwards.x, outwards.y);
+        let kinds = [(Kind::Position, at), (Kind::Projection, at + ABOVE[finger] * outwards)];
         let mut shapes = Vec::new();
         for (kind, at) in kinds {
             let is_implant = choices.device == Device::Implant;
@@ -114,7 +117,7 @@ impl Handles {
             let response = handle(ui, rect, kind);
             if is_shown || response.has_focus() {
                 let is_active = response.hovered() || response.dragged();
-                shapes.extend(disc(ui, at, kind, is_active));
+                shapes.extend(disc(ui, at, (kind, outwards), is_active));
             }
             self.start(ui, &response, kind, axes, (scene, choices));
             let drag = self.drag.as_ref().filter(|drag| drag.kind == kind && !is_cancelled);
@@ -254,7 +257,7 @@ fn handle(ui: &Ui, rect: Rect, kind: Kind) -> Response {
         Kind::Projection => (
             tr("Raise the implant"),
             tr(
-                "Drag up or down, or use the arrow keys (1 mm): projection; Esc during a drag restores the plan",
+                "Drag away from the chest or towards it, or use the arrow keys (1 mm): projection; Esc during a drag restores the plan",
             ),
             CursorIcon::ResizeVertical,
         ),
@@ -267,7 +270,7 @@ fn handle(ui: &Ui, rect: Rect, kind: Kind) -> Response {
 }
 
 /// A disc with arrows in the directions of the drag.
-fn disc(ui: &Ui, at: Pos2, kind: Kind, is_active: bool) -> Vec<Shape> {
+fn disc(ui: &Ui, at: Pos2, (kind, outwards): (Kind, egui::Vec2), is_active: bool) -> Vec<Shape> {
     let palette = theme::palette(ui.visuals());
     let (fill, line) = if is_active {
         (palette.accent, palette.on_accent)
@@ -281,7 +284,7 @@ fn disc(ui: &Ui, at: Pos2, kind: Kind, is_active: bool) -> Vec<Shape> {
     let stroke = Stroke::new(1.5, line);
     let directions: &[egui::Vec2] = match kind {
         Kind::Position => &[vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)],
-        Kind::Projection => &[vec2(0.0, 1.0), vec2(0.0, -1.0)],
+        Kind::Projection => &[outwards, -outwards],
     };
     for direction in directions {
         let tip = at + 6.0 * *direction;
