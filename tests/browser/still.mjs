@@ -21,7 +21,7 @@ function keepBody() {
   const gl = WebGL2RenderingContext.prototype;
   const { shaderSource, attachShader, useProgram, drawElements } = gl;
   const [shaders, programs] = [new Set(), new Set()];
-  const materials = 4;
+  const materials = 5;
   let drawn = 0;
   gl.shaderSource = function (shader, text) {
     if (text.includes("u_material")) shaders.add(shader);
