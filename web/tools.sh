@@ -139,7 +139,7 @@ test_js() {
 build_page() {
   local built="$TOOLS_DIR/page-built" newer=none
   if [ -e dist/index.html ] && [ -e "$built" ]; then
-    newer=$(find .cargo assets charts core lab solver src view web index.html Cargo.lock Cargo.toml Trunk.toml -newer "$built" -print -quit)
+    newer=$(find .cargo assets body charts core lab solver src view web index.html Cargo.lock Cargo.toml Trunk.toml -newer "$built" -print -quit)
   fi
   [ -n "$newer" ] || return 0
   say "building the page (a few minutes the first time)"
