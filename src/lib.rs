@@ -12,7 +12,7 @@ pub mod app;
 pub mod platform;
 
 pub use implant_preview_core::{
-    clinical, contact, curve, export, measure, mesh, scene, session, simulate, solve, springs,
-    study, table, tensile,
+    body, clinical, contact, curve, export, measure, mesh, scene, session, simulate, solve,
+    springs, study, table, tensile,
 };
 pub use implant_preview_view as view;

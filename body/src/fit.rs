@@ -107,37 +107,35 @@ pub fn fit(
     marks.check(side)?;
     let axes = marks.axes()?;
     let center = marks.implant_centre(side, settings.base_radius_mm)?;
-    let is_marked = marks.breast(side)?.implant_centre.is_some();
     let (outwards, orientation) = mean_normal(surface, center, &axes).ok_or(FitError::NoSkin)?;
-    let mut frame = Frame::new(center, outwards, axes.head, side).ok_or(FitError::NoSkin)?;
-    let spacing_mm = settings.patch_radius_mm / NODES as f64;
-    let grid = Grid { half: NODES + BEYOND, spacing_mm };
+    let grid = Grid { half: NODES + BEYOND, spacing_mm: settings.patch_radius_mm / NODES as f64 };
     let welded = surface.weld();
-    for round in 0.. {
-        let view = View { surface, welded: &welded, frame: &frame, orientation };
-        let triangles = view.connected();
-        let heights = view.heights(grid, &triangles);
-        let middle = heights[grid.len() / 2];
-        if round == 0 && !is_marked && middle.is_finite() {
-            frame = frame.raised(middle);
-            continue;
-        }
-        let radius = settings.patch_radius_mm;
-        let field = Field::new((grid, heights), &frame, (marks, side), radius)?;
-        let field = field.ok_or(FitError::Line)?;
-        if field.is_data.iter().filter(|is| **is).count() < LEAST_DATA {
-            return Err(FitError::NoData);
-        }
-        let quadric = Quadric::fitted(grid, &field.heights_mm, &field.is_data, settings.radii_mm);
-        let quadric = quadric.ok_or(FitError::NoData)?;
-        if round < ROUNDS {
-            let outwards = frame.direction(quadric.normal());
-            frame = Frame::new(frame.origin, outwards, axes.head, side).ok_or(FitError::NoData)?;
-            continue;
-        }
-        return complete(&view, &field, &quadric, (marks, side), settings);
+    let subject = Subject { surface, welded: &welded, orientation, marks, side, settings, grid };
+    let turned = |frame: &Frame, outwards: DVec3| {
+        Frame::new(frame.origin, frame.direction(outwards), axes.head, side).ok_or(FitError::NoData)
+    };
+    let mut frame = Frame::new(center, outwards, axes.head, side).ok_or(FitError::NoSkin)?;
+    if marks.breast(side)?.implant_centre.is_none() {
+        let middle = subject.heights(&frame)[grid.len() / 2];
+        frame = frame.raised(if middle.is_finite() { middle } else { 0.0 });
     }
-    Err(FitError::NoSkin)
+    for _ in 0..ROUNDS {
+        let (_, quadric) = subject.chest(&frame)?;
+        frame = turned(&frame, quadric.normal())?;
+    }
+    let (field, quadric) = subject.chest(&frame)?;
+    let fields = Fields::new(&field, &quadric, settings.cover_mm);
+    let quality = subject.quality(&frame, &field, &quadric, &fields)?;
+    // The smoothed residual tilts the wall by up to some degrees: at last z is the wall's own normal.
+    let slope = grid.slope(&fields.wall_mm, grid.len() / 2);
+    frame = turned(&frame, (-slope).extend(1.0))?;
+    let (field, quadric) = subject.chest(&frame)?;
+    let mut fields = Fields::new(&field, &quadric, settings.cover_mm);
+    let raise = fields.move_to_wall(grid);
+    let Fields { skin_mm, bare_mm, wall_mm, .. } = fields;
+    let thickness_mm = wall::thickness(grid, &skin_mm, &wall_mm).ok_or(FitError::NoData)?;
+    let frame = frame.raised(raise);
+    Ok(BodyFit { frame, grid, skin_mm, bare_mm, wall_mm, thickness_mm, quality })
 }
 
 /// The mean unit normal of the surface within 100 mm of a point, and +1, or −1 for normals inwards; `None` without a surface there.
@@ -153,47 +151,103 @@ fn mean_normal(surface: &Surface, center: DVec3, axes: &BodyAxes) -> Option<(DVe
     Some(((sum * orientation).try_normalize()?, orientation))
 }
 
-/// The fields and figures of the last round.
-fn complete(
-    view: &View<'_>,
-    field: &Field,
-    quadric: &Quadric,
-    (marks, side): (&Marks, Side),
-    settings: &Settings,
-) -> Result<BodyFit, FitError> {
-    let (grid, heights) = (field.grid, &field.heights_mm);
-    let mut filled = heights.clone();
-    let holes = wall::fill_holes(grid, &mut filled);
-    let mut bare_mm = chest::bare(grid, &filled, quadric, &field.is_data);
-    let cover = settings.cover_mm;
-    let (mut skin_mm, mut wall_mm) = wall::skin_and_wall(grid, &filled, &bare_mm, quadric, cover);
-    let scan = Scan {
-        heights_mm: heights,
-        filled_mm: &filled,
-        is_own: &field.is_own,
-        is_data: &field.is_data,
-    };
-    let radii = (settings.patch_radius_mm, settings.pocket_radius_mm);
-    let mut quality =
-        Quality::of_fields(grid, &scan, [&skin_mm, &bare_mm, &wall_mm], quadric, radii);
-    let floor: Vec<f64> = wall_mm.iter().map(|wall| wall - BELOW_WALL_MM).collect();
-    quality.set_air(grid, &view.air(grid, heights, &floor), settings.patch_radius_mm);
-    quality.holes = holes;
-    quality.notch_nipple_mm = marks.notch_nipple(side);
-    let (BodyAxes { across, head, front }, z) = (marks.axes()?, view.frame.axes.z_axis);
-    quality.yaw_degrees = z.dot(across).atan2(z.dot(front)).to_degrees();
-    quality.pitch_degrees = z.dot(head).asin().to_degrees();
-    quality.is_turned = view.orientation < 0.0;
-    if let Some(line) = quality.error() {
-        return Err(FitError::Limit(line));
+/// What is fitted.
+struct Subject<'a> {
+    surface: &'a Surface,
+    welded: &'a [u32],
+    orientation: f64,
+    marks: &'a Marks,
+    side: Side,
+    settings: &'a Settings,
+    grid: Grid,
+}
+
+impl Subject<'_> {
+    fn view<'a>(&'a self, frame: &'a Frame) -> View<'a> {
+        let Self { surface, welded, orientation, .. } = *self;
+        View { surface, welded, frame, orientation }
     }
-    // The origin moves onto the wall.
-    let raise = wall_mm[grid.len() / 2];
-    for values in [&mut skin_mm, &mut bare_mm, &mut wall_mm] {
-        values.iter_mut().for_each(|height| *height -= raise);
+
+    /// Heights of the skin in a frame \[mm\].
+    fn heights(&self, frame: &Frame) -> Vec<f64> {
+        let view = self.view(frame);
+        view.heights(self.grid, &view.connected())
     }
-    let frame = view.frame.raised(raise);
-    let thickness_mm = wall::thickness(grid, &skin_mm, &wall_mm);
-    let thickness_mm = thickness_mm.ok_or(FitError::NoData)?;
-    Ok(BodyFit { frame, grid, skin_mm, bare_mm, wall_mm, thickness_mm, quality })
+
+    /// Skin and quadric in a frame.
+    fn chest(&self, frame: &Frame) -> Result<(Field, Quadric), FitError> {
+        let Settings { patch_radius_mm, radii_mm, .. } = *self.settings;
+        let of = (self.grid, self.heights(frame));
+        let field = Field::new(of, frame, (self.marks, self.side), patch_radius_mm)?;
+        let field = field.ok_or(FitError::Line)?;
+        if field.is_data.iter().filter(|is| **is).count() < LEAST_DATA {
+            return Err(FitError::NoData);
+        }
+        let quadric = Quadric::fitted(self.grid, &field.heights_mm, &field.is_data, radii_mm);
+        Ok((field, quadric.ok_or(FitError::NoData)?))
+    }
+
+    /// The figures of the fields in a frame.
+    fn quality(
+        &self,
+        frame: &Frame,
+        field: &Field,
+        quadric: &Quadric,
+        fields: &Fields,
+    ) -> Result<Quality, FitError> {
+        let Settings { patch_radius_mm, pocket_radius_mm, .. } = *self.settings;
+        let scan = Scan {
+            heights_mm: &field.heights_mm,
+            filled_mm: &fields.filled_mm,
+            is_own: &field.is_own,
+            is_data: &field.is_data,
+        };
+        let of = [&*fields.skin_mm, &fields.bare_mm, &fields.wall_mm];
+        let radii = (patch_radius_mm, pocket_radius_mm);
+        let mut quality = Quality::of_fields(self.grid, &scan, of, quadric, radii);
+        let floor: Vec<f64> = fields.wall_mm.iter().map(|wall| wall - BELOW_WALL_MM).collect();
+        let air = self.view(frame).air(self.grid, &field.heights_mm, &floor);
+        quality.set_air(self.grid, &air, patch_radius_mm);
+        quality.holes = fields.holes;
+        quality.notch_nipple_mm = self.marks.notch_nipple(self.side);
+        let (BodyAxes { across, head, front }, z) = (self.marks.axes()?, frame.axes.z_axis);
+        quality.yaw_degrees = z.dot(across).atan2(z.dot(front)).to_degrees();
+        quality.pitch_degrees = z.dot(head).asin().to_degrees();
+        quality.is_turned = self.orientation < 0.0;
+        match quality.error() {
+            Some(line) => Err(FitError::Limit(line)),
+            None => Ok(quality),
+        }
+    }
+}
+
+/// Heights over the plane of a frame \[mm\].
+struct Fields {
+    /// The skin after holes are filled, NaN where there is none.
+    filled_mm: Vec<f64>,
+    /// Number of holes that were filled.
+    holes: usize,
+    skin_mm: Vec<f64>,
+    bare_mm: Vec<f64>,
+    wall_mm: Vec<f64>,
+}
+
+impl Fields {
+    fn new(field: &Field, quadric: &Quadric, cover_mm: f64) -> Self {
+        let mut filled_mm = field.heights_mm.clone();
+        let holes = wall::fill_holes(field.grid, &mut filled_mm);
+        let bare_mm = chest::bare(field.grid, &filled_mm, quadric, &field.is_data);
+        let (skin_mm, wall_mm) =
+            wall::skin_and_wall(field.grid, &filled_mm, &bare_mm, quadric, cover_mm);
+        Self { filled_mm, holes, skin_mm, bare_mm, wall_mm }
+    }
+
+    /// Counts all heights from the wall at the centre; its height before \[mm\].
+    fn move_to_wall(&mut self, grid: Grid) -> f64 {
+        let raise = self.wall_mm[grid.len() / 2];
+        for values in [&mut self.skin_mm, &mut self.bare_mm, &mut self.wall_mm] {
+            values.iter_mut().for_each(|height| *height -= raise);
+        }
+        raise
+    }
 }

@@ -1,14 +1,17 @@
 //! A body's surface: read from a file, marked, fitted by a chest wall and a thickness of tissue, deformed by a solution,
 //! measured.
 //!
-//! Module order: `surface` → `read` → `write` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso`. Lengths in mm, f64.
+//! Module order: `surface` → `read` → `write` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso` | `deform`, `measures`.
+//! Lengths in mm, f64.
 
 pub mod chest;
+pub mod deform;
 pub mod field;
 pub mod fit;
 pub mod frame;
 pub mod grid;
 pub mod marks;
+pub mod measures;
 pub mod quality;
 pub mod raster;
 pub mod read;

@@ -71,9 +71,9 @@ impl Tape {
     /// That of the built-in torso.
     pub const OWN: Self = Self {
         chest_width_mm: 260.0,
-        breast_width_mm: 136.5,
-        notch_nipple_mm: 210.2,
-        nipple_fold_mm: 79.2,
+        breast_width_mm: 136.6,
+        notch_nipple_mm: 210.1,
+        nipple_fold_mm: 79.1,
         nipple_nipple_mm: 225.9,
         breast_volume_ml: 323.7,
     };

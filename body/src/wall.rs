@@ -12,6 +12,11 @@ const LEAST_MM: f64 = 6.0;
 const MOST_SLOPE: f64 = 1.7;
 /// Greatest ratio of thicknesses along z and along the normal \[-\].
 const MOST_STEEPNESS: f64 = 2.0;
+/// Least radius of a hollow \[thicknesses of the tissue\], of which a scene needs 2 between the nodes, too.
+const HOLLOW: f64 = 3.5;
+/// Greatest number of sweeps that fill hollows, and the rise that ends them \[mm\].
+const HOLLOW_SWEEPS: usize = 200;
+const HOLLOW_MM: f64 = 1e-4;
 /// Passes to and fro over the grid that limit the slope.
 const SLOPE_PASSES: usize = 2;
 /// Standard deviation of the mean that smooths the wall's distance from the quadric \[mm\].
@@ -67,8 +72,8 @@ pub(crate) fn fill_holes(grid: Grid, heights: &mut [f64]) -> usize {
 /// Skin and wall \[mm\] over the whole grid.
 ///
 /// The wall lies a cover below the bare chest and at least 6 mm below the skin; it falls by 60° at most, goes on so where the scan ends,
-/// and its distance from the quadric is smoothed by a Gaussian mean of 8 mm. The skin is raised to 6 mm above the wall where
-/// it is steeper, and goes on a cover above the wall where the scan ends.
+/// and its distance from the quadric is smoothed by a Gaussian mean of 8 mm; hollows below 3.5 times the tissue are filled. The skin is raised to 6 mm above the wall where
+/// it is steeper, and its distance from the wall is harmonic where the scan ends.
 pub(crate) fn skin_and_wall(
     grid: Grid,
     heights: &[f64],
@@ -95,12 +100,50 @@ pub(crate) fn skin_and_wall(
     for (node, height) in wall.iter_mut().enumerate() {
         *height += deep(node);
     }
-    let skin = (0..grid.len()).map(|node| {
-        let up = steepness(grid.slope(&wall, node));
-        let least = wall[node] + LEAST_MM * up;
-        if heights[node].is_nan() { wall[node] + cover_mm * up } else { heights[node].max(least) }
-    });
+    let tissue: Vec<f64> = (0..grid.len())
+        .map(|node| {
+            let depth = heights[node] - wall[node];
+            let depth = if depth.is_nan() { cover_mm } else { depth };
+            (depth / steepness(grid.slope(&wall, node))).max(LEAST_MM)
+        })
+        .collect();
+    fill_hollows(grid, &mut wall, &tissue);
+    // Thickness along z, of which 6 mm along the normal are the least; harmonic where the scan has none.
+    let is_open: Vec<bool> = heights.iter().map(|height| height.is_nan()).collect();
+    let mut depth: Vec<f64> = (0..grid.len())
+        .map(|node| {
+            let least = LEAST_MM * steepness(grid.slope(&wall, node));
+            (heights[node] - wall[node]).max(least)
+        })
+        .collect();
+    grid.fill(&mut depth, &is_open);
+    let skin = depth.iter().zip(&wall).map(|(depth, wall)| wall + depth);
     (skin.collect(), wall)
+}
+
+/// Raises heights until every hollow has a radius of 3.5 times the tissue there \[mm\], along the grid and its diagonals.
+fn fill_hollows(grid: Grid, heights: &mut [f64], tissue: &[f64]) {
+    let side = grid.side();
+    for _ in 0..HOLLOW_SWEEPS {
+        let mut is_raised = false;
+        for (row, column) in (1..side - 1).flat_map(|row| (1..side - 1).map(move |c| (row, c))) {
+            let node = row * side + column;
+            let most_sag = 0.5 * grid.spacing_mm.powi(2) / (HOLLOW * tissue[node]);
+            // Squared length of a step \[spacings²\].
+            let ways = [(1, 1.0), (side, 1.0), (side + 1, 2.0), (side - 1, 2.0)];
+            let least = ways.into_iter().map(|(step, squared)| {
+                0.5 * (heights[node - step] + heights[node + step]) - squared * most_sag
+            });
+            let least = least.fold(f64::NEG_INFINITY, f64::max);
+            if least > heights[node] + HOLLOW_MM {
+                heights[node] = least;
+                is_raised = true;
+            }
+        }
+        if !is_raised {
+            return;
+        }
+    }
 }
 
 /// Raises heights until none falls by more than 60° from a neighbour to the next.
@@ -206,6 +249,22 @@ mod tests {
             }
         }
         assert!(steepest < MOST_SLOPE + 0.01, "{steepest}");
+    }
+
+    #[test]
+    fn a_hollow_is_filled_until_it_carries_the_tissue() {
+        let groove = |x: f64| -25.0 * (-(x / 9.0).powi(2)).exp();
+        let mut heights: Vec<f64> =
+            (0..GRID.len()).map(|node| groove(GRID.place(node).x)).collect();
+        let before = heights.clone();
+        fill_hollows(GRID, &mut heights, &vec![12.0; GRID.len()]);
+        let (side, middle) = (GRID.side(), GRID.len() / 2);
+        for node in middle - side / 2 + 1..middle + side / 2 {
+            let sag = heights[node - 1] + heights[node + 1] - 2.0 * heights[node];
+            assert!(sag / 16.0 < 1.0 / 42.0 + 1e-4, "{sag}");
+            assert!(heights[node] >= before[node]);
+        }
+        assert!(heights[middle] > -20.0 && heights[middle + 20] > -1e-3);
     }
 
     #[test]

@@ -6,8 +6,8 @@ use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    Patient, SCENE_SCHEMA, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel, Visit,
-    limits, one_line, patient, pins, problem,
+    Patient, Placement, SCENE_SCHEMA, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel,
+    Visit, limits, one_line, patient, pins, problem,
 };
 use crate::curve::{List, given, given_object, object, present, present_object};
 use crate::springs::Springs;
@@ -54,6 +54,9 @@ pub struct Scene {
     /// Patient and visit in words; no result depends on the visit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub visit: Option<Visit>,
+    /// The place on a body's surface, in a file `body`; no result depends on it.
+    #[serde(rename = "body", skip_serializing_if = "Option::is_none")]
+    pub placement: Option<Box<Placement>>,
     /// The spring law.
     pub springs: Springs,
     /// Grid and tolerance.
@@ -77,6 +80,7 @@ impl Default for Scene {
             patient: None,
             side: None,
             visit: None,
+            placement: None,
             springs: Springs::default(),
             solver: SolverSettings::default(),
         }
@@ -157,6 +161,10 @@ pub(super) struct SceneFile {
     /// Reference, date of the visit, surgeon, remarks; a computation ignores them.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) visit: Option<Visit>,
+    /// The place of the scene on a body's surface, as `scan` writes it; a computation ignores it.
+    #[serde(default, deserialize_with = "given_object")]
+    #[schemars(with = "Placement")]
+    pub(super) body: Option<Placement>,
     #[serde(default, deserialize_with = "present")]
     pub(super) springs: Springs,
     #[serde(default, deserialize_with = "present_object")]
@@ -270,6 +278,7 @@ impl SceneFile {
             patient: None,
             side: file.side,
             visit: file.visit,
+            placement: file.body.map(Box::new),
             springs: file.springs,
             solver: file.solver,
         };

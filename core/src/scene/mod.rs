@@ -6,7 +6,7 @@
 //!
 //! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid) | `visit` (patient and visit in words).
+//! `repair` (scenes that an edit made invalid) | `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -24,6 +24,7 @@ mod implant;
 mod layer;
 mod patient;
 pub mod pins;
+mod placement;
 pub mod read;
 mod repair;
 mod thickness;
@@ -48,11 +49,13 @@ pub use implant::Implant;
 pub use layer::{Layer, tissue_in_words};
 pub use patient::Patient;
 pub use pins::{Document, Letter, PinnedScene};
+pub use placement::{COVER_MM, LengthUnit, Placement};
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use thickness::ThicknessGrid;
+
 pub use visit::{FillSchedule, Side, Visit};
 
 /// The schema of a scene, and that of a scene without schema.
@@ -195,6 +198,7 @@ impl Scene {
         self.check_numbers(Part::Body)?;
         self.check_patient()?;
         self.check_visit()?;
+        self.check_placement()?;
         let (least, most) = limits::LAYERS;
         if !(least..=most).contains(&self.layers.len()) {
             return Err(out_of_range(
@@ -258,6 +262,7 @@ impl Scene {
             patient: None,
             side: None,
             visit: None,
+            placement: None,
             ..self.clone()
         };
         scene.layers.iter_mut().for_each(|layer| layer.tissue.clear());

@@ -200,16 +200,18 @@ pub fn is_date(text: &str) -> bool {
 }
 
 impl Scene {
-    /// The scene without its visit, for everything that leaves the plan's file: links, pins, stores.
+    /// The scene without its visit and its place on a body, for everything that leaves the plan's file: links, pins, stores.
     #[must_use]
     pub fn without_visit(&self) -> Self {
-        Self { visit: None, ..self.clone() }
+        Self { visit: None, placement: None, ..self.clone() }
     }
 
     /// Are two scenes equal but for their visits?
     #[must_use]
     pub fn is_same_plan(&self, other: &Self) -> bool {
-        self == other || self.visit != other.visit && self.without_visit() == other.without_visit()
+        self == other
+            || self.visit != other.visit
+                && Self { visit: other.visit.clone(), ..self.clone() } == *other
     }
 
     /// Is the breast the patient's right one? Numbers and coordinates are those of a left one; pictures and meshes are mirrored in x.

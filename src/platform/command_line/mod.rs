@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `map`, `bands`, `schema`, `curve`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
+//! The command line: `simulate`, `scan`, `map`, `bands`, `schema`, `curve`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
 //! Native only.
 //!
 //! Exit codes: 0 success; 1 internal error, or standard output is closed; 2 bad input (one line on standard error: file, field, allowed
@@ -17,6 +17,7 @@ mod input;
 mod output;
 mod parquet;
 mod rows;
+mod scan;
 mod schema;
 mod simulate;
 mod stability;
@@ -55,6 +56,8 @@ struct Arguments {
 enum Command {
     /// Solve scenes and write their results.
     Simulate(simulate::Arguments),
+    /// Fit the surface of a body and a surgeon's marks, and write the scene of a breast; standard error has a JSON line of figures.
+    Scan(scan::Arguments),
     /// Solve a scene over a grid of one or two of its numbers and write table, JSON and chart.
     Map(studies::MapArguments),
     /// Solve a scene over what is not known about a person and write percentiles and importance.
@@ -125,6 +128,7 @@ pub fn run() -> Next {
     };
     Next::Exit(exit_code(catch_panic(|| match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Scan(arguments) => scan::run(&arguments),
         Command::Map(arguments) => studies::map(&arguments),
         Command::Bands(arguments) => studies::bands(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),

@@ -51,6 +51,12 @@ pub(super) fn error(line: &str) {
     eprintln!("error: {line}");
 }
 
+/// Prints a line on standard error as it is.
+#[allow(clippy::print_stderr)] // the command line prints to the terminal
+pub(super) fn line(line: &str) {
+    eprintln!("{line}");
+}
+
 /// Prints a warning on standard error, in one line.
 #[allow(clippy::print_stderr)] // the command line prints to the terminal
 pub(super) fn warn(line: &str) {

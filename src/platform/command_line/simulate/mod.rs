@@ -1,5 +1,6 @@
 //! `simulate`: solves scenes and writes their results.
 
+mod body;
 mod done;
 mod form;
 mod key;
@@ -46,6 +47,12 @@ pub(super) struct Arguments {
     /// and the tissue under it, each a closed body, in m.
     #[arg(long, value_name = "M.stl|.obj|.ply|.glb")]
     mesh: Option<PathBuf>,
+    /// Surface of the body that the scene was made of by `scan` (one scene only): PLY, STL, OBJ or GLB. Written to `--after`.
+    #[arg(long, requires = "after", value_name = "MESH")]
+    body: Option<PathBuf>,
+    /// Output file for the surface of `--body` over the implant: its own vertices in their order, in its own axes and unit (GLB: in m).
+    #[arg(long, requires = "body", value_name = "AFTER.ply|.stl|.obj|.glb")]
+    after: Option<PathBuf>,
     /// Output file for the profiles as a table, with surface and direction (one scene only); `-` is standard output.
     #[arg(long, value_name = "P.csv")]
     profile: Option<PathBuf>,
@@ -89,10 +96,11 @@ fn most_ms(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
-    let mesh = arguments.mesh.as_deref().map(mesh_format).transpose()?;
+    let mesh = arguments.mesh.as_deref().map(|path| format_of(path, "--mesh")).transpose()?;
     check_paths(arguments)?;
     let format = line_format(arguments)?;
-    let wants_one = arguments.mesh.is_some() || arguments.profile.is_some();
+    let wants_one =
+        arguments.mesh.is_some() || arguments.profile.is_some() || arguments.after.is_some();
     let mut sources = Vec::new();
     for path in &arguments.scenes {
         // JSON lines by the extension, else by the first lines.
@@ -113,7 +121,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         return Ok(outputs.1);
     }
     if wants_one {
-        let line = "--mesh and --profile: at least 2 scenes, lines or a table; allowed: one scene";
+        let line = "--mesh, --profile and --after: at least 2 scenes, lines or a table; allowed: one scene";
         return Err(InputError(line.to_owned()));
     }
     for source in &mut sources {
@@ -143,25 +151,27 @@ fn checked(source: &mut Source) -> Result<(CheckedScene, Option<Box<RawValue>>),
     scene.map_err(|error| output::input_error(source.path(), error))
 }
 
-/// The format of a mesh file, by its extension.
-fn mesh_format(path: &Path) -> Result<Format, InputError> {
+/// The format of a mesh file of an option, by its extension.
+fn format_of(path: &Path, option: &str) -> Result<Format, InputError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     Format::of_extension(&extension).ok_or_else(|| {
-        output::input_error(
-            path,
-            "--mesh: unknown format; allowed: a file name ending in .stl, .obj, .ply or .glb",
-        )
+        let allowed = "allowed: a file name ending in .stl, .obj, .ply or .glb";
+        output::input_error(path, format!("{option}: unknown format; {allowed}"))
     })
 }
 
 /// Checks that all outputs are different files, and none of them an input.
 fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
-    let outputs: Vec<&Path> =
-        [Some(&arguments.out), arguments.mesh.as_ref(), arguments.profile.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(PathBuf::as_path)
-            .collect();
+    let outputs: Vec<&Path> = [
+        Some(&arguments.out),
+        arguments.mesh.as_ref(),
+        arguments.profile.as_ref(),
+        arguments.after.as_ref(),
+    ]
+    .into_iter()
+    .flatten()
+    .map(PathBuf::as_path)
+    .collect();
     for (k, path) in outputs.iter().enumerate() {
         output::check_path(path)?;
         if outputs[..k].iter().any(|other| output::is_same_file(other, path)) {
@@ -177,6 +187,12 @@ fn check_paths(arguments: &Arguments) -> Result<(), InputError> {
         let mut inputs = arguments.scenes.iter().chain(&arguments.template).chain(&arguments.table);
         if inputs.any(|input| output::is_input(path, input)) {
             return Err(output::input_error(path, "is an input scene; allowed: another file"));
+        }
+        if arguments.body.iter().any(|body| output::is_input(path, body)) {
+            return Err(output::input_error(
+                path,
+                "is the surface of --body; allowed: another file",
+            ));
         }
     }
     Ok(())
@@ -272,6 +288,7 @@ fn solve(
     written: &Selection,
 ) -> Result<(Vec<File>, ExitStatus), InputError> {
     let Arguments { out, mesh, profile: table, most_ms, .. } = arguments;
+    let body = body::Body::open(arguments, scene.scene())?;
     let mut simulator = Simulator::default();
     simulator.most_ms = *most_ms;
     let clock = Clock::start();
@@ -282,17 +299,24 @@ fn solve(
     let json = json.map_err(|error| InputError(format!("result: {error}")))? + "\n";
     let mut files = vec![File::new(out, json)];
     let has_shape = outcome.status != Status::Unstable && solution.report().invalid.is_none();
-    if let (Some(path), Some(format)) = (mesh, format) {
-        if has_shape {
+    let not_written = |path: &Path| {
+        let why = outcome.warnings.first().map_or("the scene has no stable shape", String::as_str);
+        output::warn(&format!("{}: not written: {why}", path.display()));
+    };
+    match (mesh, format) {
+        (Some(path), Some(format)) if has_shape => {
             let bodies = bodies(format, &solution);
             let mirrored = || bodies.iter().cloned().map(Solid::mirrored).collect();
             let bodies = if scene.scene().is_right() { mirrored() } else { bodies };
             files.push(File::new(path, format.encode(&bodies)));
-        } else {
-            let why =
-                outcome.warnings.first().map_or("the scene has no stable shape", String::as_str);
-            output::warn(&format!("{}: not written: {why}", path.display()));
         }
+        (Some(path), _) => not_written(path),
+        (None, _) => {}
+    }
+    match body {
+        Some(body) if has_shape => files.push(body.after(&solution)),
+        Some(body) => not_written(body.after_path()),
+        None => {}
     }
     if let Some(path) = table {
         let lines = if has_shape { meridians(&solution) } else { Vec::new() };

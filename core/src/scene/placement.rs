@@ -1,0 +1,170 @@
+//! Where a scene lies on a body: unit, frame and marks; and the scene of a fitted body.
+
+use super::{ChestGrid, HeightsGrid, Scene, SceneError, Side, ThicknessGrid, out_of_range};
+use crate::body::fit::BodyFit;
+use crate::body::frame::Frame;
+use crate::body::marks::{self, Marks};
+use crate::body::read::Unit;
+use crate::clinical::Measurements;
+use crate::curve::{number, present};
+use glam::{DMat3, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The place of a scene on a body's surface; no equilibrium depends on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "one JSON object")]
+#[schemars(rename = "BodyPlace")]
+pub struct Placement {
+    /// Unit of the surface's file.
+    #[serde(deserialize_with = "present")]
+    pub unit: LengthUnit,
+    /// Thickness of the tissue beside the breast, of which the wall was made \[mm\], 6 to 30.
+    #[serde(deserialize_with = "present")]
+    pub cover_mm: f64,
+    /// The pocket's centre on the wall, in the surface's axes \[mm\].
+    #[serde(deserialize_with = "present")]
+    pub origin_mm: [f64; 3],
+    /// Unit vectors of the scene in the surface's axes: x from the midline to the patient's side, y to the head, z away from the wall.
+    #[serde(deserialize_with = "present")]
+    pub axes: [[f64; 3]; 3],
+    /// The surgeon's marks, points in the surface's axes \[mm\] by their names.
+    #[serde(deserialize_with = "present")]
+    #[schemars(with = "BTreeMap<String, [f64; 3]>")]
+    pub marks: Marks,
+}
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs, reason = "a unit is its own description")]
+pub enum LengthUnit {
+    Mm,
+    Cm,
+    M,
+}
+
+impl From<Unit> for LengthUnit {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Mm => Self::Mm,
+            Unit::Cm => Self::Cm,
+            Unit::M => Self::M,
+        }
+    }
+}
+
+impl From<LengthUnit> for Unit {
+    fn from(unit: LengthUnit) -> Self {
+        match unit {
+            LengthUnit::Mm => Self::Mm,
+            LengthUnit::Cm => Self::Cm,
+            LengthUnit::M => Self::M,
+        }
+    }
+}
+
+/// Thickness of the tissue beside a breast \[mm\].
+pub const COVER_MM: (f64, f64) = (6.0, 30.0);
+/// Greatest coordinate of the origin \[mm\].
+const GREATEST_MM: f64 = 1e7;
+/// Greatest deviation of the axes from unit vectors at right angles \[-\].
+const AXES: f64 = 1e-6;
+/// Factors of a thickness field.
+const FACTORS: (f64, f64) = (0.05, 20.0);
+/// Nodes of the scene's grids from their centre to the edge of the patch.
+const NODES: usize = 32;
+/// Decimals of heights \[mm\] and of factors.
+const DECIMALS: (f64, f64) = (1e4, 1e5);
+
+impl Placement {
+    /// The frame of the scene.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        let [x, y, z] = self.axes.map(DVec3::from);
+        Frame { origin: self.origin_mm.into(), axes: DMat3::from_cols(x, y, z) }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        let (least, most) = COVER_MM;
+        if !(least..=most).contains(&self.cover_mm) {
+            let allowed = format!("{least} to {most} mm");
+            return Err(out_of_range("body.cover_mm", number(self.cover_mm), &allowed));
+        }
+        if let Some(wrong) = self.origin_mm.iter().find(|x| x.is_nan() || x.abs() > GREATEST_MM) {
+            let allowed = format!("up to {GREATEST_MM} mm");
+            return Err(out_of_range("body.origin_mm", number(*wrong), &allowed));
+        }
+        let axes = self.frame().axes;
+        let apart = axes.transpose() * axes - DMat3::IDENTITY;
+        let most = apart
+            .to_cols_array()
+            .iter()
+            .fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x.abs()) });
+        if most > AXES {
+            let value = format!("off by {}", number(most));
+            return Err(out_of_range("body.axes", value, "unit vectors at right angles"));
+        }
+        Ok(())
+    }
+}
+
+impl Scene {
+    /// Checks the place on a body.
+    pub(super) fn check_placement(&self) -> Result<(), SceneError> {
+        self.placement.as_ref().map_or(Ok(()), |placement| placement.check())
+    }
+
+    /// The scene of a body that was fitted on a side: the opening plan's implant and skin, a pinch of twice the cover, and wall and
+    /// thickness of the fit. `cover_mm` is that of the fit, which must be one for the pocket and the patch of the opening plan.
+    ///
+    /// # Errors
+    /// A wall that does not carry the tissue.
+    pub fn of_body(
+        fit: &BodyFit,
+        (marks, side): (&Marks, marks::Side),
+        cover_mm: f64,
+        unit: Unit,
+    ) -> Result<Self, SceneError> {
+        let mut scene = Self::opening();
+        let pinch_mm = Some(2.0 * cover_mm);
+        scene.apply_patient(Measurements { pinch_mm, ..scene.measured() })?;
+        scene.side = Some(match side {
+            marks::Side::Left => Side::Left,
+            marks::Side::Right => Side::Right,
+        });
+        let (grid, side_of_grid) = (fit.grid, 2 * NODES + 1);
+        let skin_mm = scene.layers[0].thickness_mm;
+        let solids_mm = scene.tissue_mm() - skin_mm;
+        let rounded = |value: f64, decimals: f64| (value * decimals).round() / decimals;
+        let nodes = || {
+            let first = grid.half.saturating_sub(NODES);
+            let row = move |j: usize| (first + j) * grid.side() + first;
+            (0..side_of_grid).flat_map(move |j| row(j)..row(j) + side_of_grid)
+        };
+        let heights = nodes().map(|node| rounded(fit.wall_mm[node], DECIMALS.0));
+        let factors = nodes().map(|node| {
+            let factor = (fit.thickness_mm[node] - skin_mm) / solids_mm;
+            rounded(factor.clamp(FACTORS.0, FACTORS.1), DECIMALS.1)
+        });
+        let (spacing_mm, columns, rows) = (grid.spacing_mm, side_of_grid, side_of_grid);
+        let heights_mm = heights.collect();
+        scene.chest = None;
+        scene.chest_grid = Some(ChestGrid {
+            grid: HeightsGrid { spacing_mm, columns, rows, heights_mm, smooth_mm: 0.0 },
+        });
+        let factors = factors.collect();
+        scene.thickness_field = Some(ThicknessGrid { spacing_mm, columns, rows, factors });
+        let Frame { origin, axes } = fit.frame;
+        scene.placement = Some(Box::new(Placement {
+            unit: unit.into(),
+            cover_mm,
+            origin_mm: origin.to_array(),
+            axes: axes.to_cols_array_2d(),
+            marks: *marks,
+        }));
+        scene.validate()?;
+        Ok(scene)
+    }
+}

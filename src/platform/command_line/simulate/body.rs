@@ -1,0 +1,68 @@
+//! The surface of a body over the implant of a scene that was made of it.
+
+use super::super::output::{self, File};
+use super::super::{InputError, scan};
+use super::Arguments;
+use crate::body::deform::deform;
+use crate::body::frame::Frame;
+use crate::body::marks::Side;
+use crate::body::read::Unit;
+use crate::body::surface::Surface;
+use crate::body::write::write;
+use crate::export::Format;
+use crate::scene::Scene;
+use crate::solve::Solution;
+use std::path::Path;
+
+/// Greatest distance of a nipple's mark from the surface of the body that it belongs to \[mm\].
+const OFF_MM: f64 = 25.0;
+
+/// The surface before the implant.
+pub(super) struct Body<'a> {
+    surface: Surface,
+    frame: Frame,
+    unit: Unit,
+    format: Format,
+    after: &'a Path,
+}
+
+impl<'a> Body<'a> {
+    /// The body of the arguments, if there is one.
+    pub(super) fn open(
+        arguments: &'a Arguments,
+        scene: &Scene,
+    ) -> Result<Option<Self>, InputError> {
+        let (Some(path), Some(after)) = (&arguments.body, &arguments.after) else {
+            return Ok(None);
+        };
+        let format = super::format_of(after, "--after")?;
+        let Some(placement) = &scene.placement else {
+            let line = "--body: the scene has no member body; allowed: a scene that `scan` wrote";
+            return Err(InputError(line.to_owned()));
+        };
+        let unit = Unit::from(placement.unit);
+        let surface = scan::surface(path, Some(unit))?.surface;
+        let side = if scene.is_right() { Side::Right } else { Side::Left };
+        let nipple = placement.marks.nipple(side);
+        let off =
+            surface.positions.iter().map(|p| p.distance(nipple)).fold(f64::INFINITY, f64::min);
+        if off > OFF_MM {
+            let line = format!(
+                "--body: the nipple of the scene is {off:.0} mm off the surface; allowed: the surface that the scene was made of"
+            );
+            return Err(output::input_error(path, line));
+        }
+        Ok(Some(Self { surface, frame: placement.frame(), unit, format, after }))
+    }
+
+    /// The path of the surface over the implant.
+    pub(super) fn after_path(&self) -> &Path {
+        self.after
+    }
+
+    /// The file of the surface over the implant.
+    pub(super) fn after(&self, solution: &Solution) -> File {
+        let deformed = deform(&self.surface, &self.frame, solution);
+        File::new(self.after, write(&deformed, self.unit, self.format))
+    }
+}

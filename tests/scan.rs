@@ -1,0 +1,116 @@
+//! `scan` and `simulate --body`: from the surface of a body to the surface over an implant.
+#![cfg(feature = "command-line")]
+#![allow(clippy::unwrap_used)] // helpers of tests are tests
+
+#[path = "common/command.rs"]
+mod command;
+
+use command::{folder, lines, run};
+use implant_preview::body::read::{Unit, read};
+use implant_preview::body::torso::{Torso, builtin};
+use implant_preview::body::write::write;
+use implant_preview::export::Format;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Writes the built-in torso with its marks in a unit.
+fn body(folder: &Path, unit: Unit) {
+    let Torso { surface, marks } = builtin();
+    fs::write(folder.join("torso.ply"), write(&surface, unit, Format::Ply)).unwrap();
+    let marks = serde_json::to_string(&marks.scaled(1.0 / unit.factor())).unwrap();
+    fs::write(folder.join("marks.json"), marks).unwrap();
+}
+
+const SCAN: [&str; 8] =
+    ["scan", "torso.ply", "--marks", "marks.json", "--out", "scene.json", "--side", "left"];
+
+fn scanned(folder: &Path, more: &[&str]) -> (Value, Value) {
+    let output = run(folder, &[&SCAN, more].concat(), "");
+    let figures = lines(&output.stderr);
+    assert!(output.status.success() && output.stdout.is_empty() && figures.len() == 1);
+    let scene = fs::read_to_string(folder.join("scene.json")).unwrap();
+    (serde_json::from_str(&scene).unwrap(), figures[0].clone())
+}
+
+#[test]
+fn a_body_becomes_a_scene_and_the_body_over_its_implant() {
+    let folder = folder();
+    body(&folder, Unit::M);
+    let (mut scene, figures) = scanned(&folder, &[]);
+    let names =
+        ["no_skin_percent", "data_percent", "radius_across_mm", "radius_along_mm", "footprint_ml"];
+    assert!(names.iter().all(|name| figures[name].is_f64()), "{figures}");
+    assert_eq!(figures["thickness_mm"].as_array().unwrap().len(), 3);
+    let warnings = figures["warnings"].to_string();
+    assert!(warnings.contains("read as m: notch to nipple is 21.0 cm"), "{warnings}");
+    assert_eq!((&scene["side"], &scene["body"]["unit"]), (&"left".into(), &"m".into()));
+    scene["solver"] = serde_json::json!({ "nodes_per_side": 33, "tolerance": 1e-3 });
+    let moved = |insertion: f64| {
+        scene["insertion"] = insertion.into();
+        fs::write(folder.join("coarse.json"), scene.to_string()).unwrap();
+        let arguments = ["simulate", "coarse.json", "--body", "torso.ply", "--after", "after.ply"];
+        let output = run(&folder, &arguments, "");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let surface =
+            |name: &str| read(&fs::read(folder.join(name)).unwrap(), name).unwrap().surface;
+        let (before, after) = (surface("torso.ply"), surface("after.ply"));
+        assert_eq!(before.triangles, after.triangles);
+        let pairs = before.positions.iter().zip(&after.positions);
+        pairs.map(|(before, after)| before.distance(*after)).collect::<Vec<_>>()
+    };
+    let mut moved = moved;
+    assert!(moved(0.0).iter().all(|by| *by == 0.0));
+    let full = moved(1.0);
+    let most = full.iter().copied().fold(0.0, f64::max);
+    assert!((15.0..30.0).contains(&most) && full.iter().filter(|by| **by == 0.0).count() > 2000);
+}
+
+#[test]
+fn the_unit_of_a_file_does_not_matter() {
+    let folder = folder();
+    let scenes = Unit::ALL.map(|unit| {
+        body(&folder, unit);
+        let (mut scene, _) = scanned(&folder, &["--unit", unit.name(), "--cover", "8"]);
+        assert_eq!(scene["body"]["unit"], unit.name());
+        scene["body"] = Value::Null;
+        scene
+    });
+    // Files of 32 bits: heights agree to some 0.1 µm.
+    let heights = |scene: &Value| -> Vec<f64> {
+        let list = scene["chest"]["grid"]["heights_mm"].as_array().unwrap();
+        list.iter().map(|height| height.as_f64().unwrap()).collect()
+    };
+    for scene in &scenes[1..] {
+        for (a, b) in heights(scene).iter().zip(heights(&scenes[0])) {
+            assert!((a - b).abs() < 0.02, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn bad_input_is_one_line() {
+    let folder = folder();
+    body(&folder, Unit::Mm);
+    let line = |arguments: &[&str]| {
+        let output = run(&folder, arguments, "");
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{text}");
+        text
+    };
+    let scan = |more: &[&str]| line(&[&SCAN, more].concat());
+    assert!(scan(&["--cover", "40"]).contains("allowed: 6 to 30"));
+    assert!(scan(&["--unit", "cm"]).contains("check unit and marks"));
+    let marks = fs::read_to_string(folder.join("marks.json")).unwrap();
+    fs::write(folder.join("marks.json"), marks.replacen("navel", "nabel", 1)).unwrap();
+    assert!(scan(&[]).starts_with("error: marks.json: unknown field `nabel`"));
+    fs::write(folder.join("marks.json"), &marks).unwrap();
+    fs::write(folder.join("torso.ply"), "ply\nformat").unwrap();
+    assert!(scan(&[]).starts_with("error: torso.ply: "));
+    assert!(!folder.join("scene.json").exists());
+    fs::write(folder.join("flat.json"), r#"{ "implant": { "base_radius_mm": 60 } }"#).unwrap();
+    let without = ["simulate", "flat.json", "--body", "torso.ply", "--after", "after.ply"];
+    assert!(line(&without).contains("the scene has no member body"));
+    let format = ["simulate", "flat.json", "--body", "torso.ply", "--after", "after.png"];
+    assert!(line(&format).contains("--after: unknown format"));
+}
