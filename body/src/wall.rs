@@ -21,6 +21,8 @@ const HOLLOW_MM: f64 = 1e-4;
 const SLOPE_PASSES: usize = 2;
 /// Standard deviation of the mean that smooths the wall's distance from the quadric \[mm\].
 const SMOOTH_MM: f64 = 8.0;
+/// Least thickness beside a greater one \[-\].
+const CLIFF: f64 = 0.3;
 /// Step along a normal on the search for the skin \[mm\].
 const STEP_MM: f64 = 3.0;
 /// End of this search \[mm\].
@@ -207,7 +209,13 @@ pub(crate) fn thickness(grid: Grid, skin: &[f64], wall: &[f64]) -> Option<Vec<f6
         }
         0.5 * (low + high)
     };
-    Some((0..grid.len()).map(of).collect())
+    let found: Vec<f64> = (0..grid.len()).map(of).collect();
+    // Beside a cliff a spline through the thickness falls below its lower side by a tenth of the cliff.
+    let least = |node: usize| {
+        let beside = grid.neighbours(node).map(|beside| found[beside]);
+        found[node].max(CLIFF * beside.fold(0.0, f64::max))
+    };
+    Some((0..grid.len()).map(least).collect())
 }
 
 #[cfg(test)]
