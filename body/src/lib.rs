@@ -10,6 +10,7 @@ pub mod field;
 pub mod fit;
 pub mod frame;
 pub mod grid;
+mod half;
 pub mod marks;
 pub mod measures;
 pub mod quality;
