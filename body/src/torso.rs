@@ -1,7 +1,7 @@
 //! The built-in torso of a woman, shaped by what a tape measures.
 //!
 //! The front of a trunk from the MakeHuman base mesh (CC0 1.0; no person), symmetric, 5722 vertices, quantised to 0.05 mm. A tape's numbers move
-//! the mound of the breast over the bare chest: the chest widens as a whole, then the mound, skin less bare chest of a [fit](crate::fit), is
+//! the mound of the breast over the bare chest: the chest widens as a whole, then the mound, skin less bare chest of a [fit], is
 //! moved across with the nipple, stretched across, and scaled to its volume, on a trunk as long as the way from
 //! notch to nipple asks for. The tape's own numbers leave every vertex as it is.
 
