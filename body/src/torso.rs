@@ -260,9 +260,13 @@ impl Mound {
             });
             let matrix = [0, 1, 2].map(|row| columns.map(|column| column[row]));
             let Some(step) = solved(matrix, missing) else { break };
+            let before = numbers;
             for (k, (number, step)) in numbers.iter_mut().zip(step).enumerate() {
                 let [least, most] = RANGES_MM[k];
                 *number = (*number + step.clamp(-STEP_MM, STEP_MM)).clamp(least, most);
+            }
+            if numbers == before {
+                break;
             }
         }
         Shape::of(numbers)
@@ -312,12 +316,13 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
         let shape = mound.shaped(tape, &torso);
         let found = mound.tape(&shape, &torso);
         trunk += 1;
-        if trunk == TRUNKS {
+        let missing = tape.notch_nipple_mm - found.notch_nipple_mm;
+        if trunk == TRUNKS || missing.abs() < NEAR_MM {
             break (torso, mound, shape, found);
         }
         // A longer way from notch to nipple is a longer trunk.
         let down = torso.marks.sternal_notch.y - torso.marks.nipple(Side::Left).y;
-        let missing = (tape.notch_nipple_mm - found.notch_nipple_mm) * found.notch_nipple_mm / down;
+        let missing = missing * found.notch_nipple_mm / down;
         long = (long * (1.0 + missing / down)).clamp(LONG[0], LONG[1]);
     };
     let mirrored = |at: DVec3| DVec3::new(-at.x, at.y, at.z);

@@ -15,7 +15,9 @@ use implant_preview_core::measure::{Field, Fields};
 use std::sync::Arc;
 
 /// Volume of the drawn breast before the operation \[ml\]: the tissue over the implant is that of the plan.
-const VOLUME_ML: f64 = 100.0;
+const VOLUME_ML: f64 = 130.0;
+/// From the notch to the nipple of that breast on the trunk as it is stored \[mm\].
+const NOTCH_NIPPLE_MM: f64 = 201.6;
 /// Distance from the fitted skin within which a vertex is skin of the breast's side, not of flank or arm, and its end \[mm\].
 const NEAR_MM: [f64; 2] = [15.0, 30.0];
 /// The second coordinate on the net of a vertex without net, less the part of the colour of a quantity in its colour, 0 to 1; the first
@@ -62,18 +64,19 @@ impl Torso {
     /// The torso; `None` if no chest is found under its breast, which no built-in torso has.
     #[must_use]
     pub fn new() -> Option<Self> {
-        let tape = Tape { breast_volume_ml: VOLUME_ML, ..Tape::OWN };
+        let tape =
+            Tape { breast_volume_ml: VOLUME_ML, notch_nipple_mm: NOTCH_NIPPLE_MM, ..Tape::OWN };
         let (body, _) = torso::shaped(&tape).ok()?;
         let settings = Settings::default();
-        let [own, other] = [Side::Left, Side::Right]
-            .map(|side| fit(&body.surface, &body.marks, side, &settings).ok());
-        let (own, other) = (own?, other?);
-        let moved = [&own, &other].map(|side| {
+        let own = fit(&body.surface, &body.marks, Side::Left, &settings).ok()?;
+        // Both halves are mirror images.
+        let hands = [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0)];
+        let moved = hands.map(|hand| {
             let reach = settings.patch_radius_mm;
             let of = |(k, at): (usize, &DVec3)| {
-                let local = side.frame.local(*at);
+                let local = own.frame.local(*at * hand);
                 let place = local.truncate();
-                let apart = (local.z - side.grid.value(&side.skin_mm, place)).abs();
+                let apart = (local.z - own.grid.value(&own.skin_mm, place)).abs();
                 let t = ((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0])).clamp(0.0, 1.0);
                 let is_within = place.length() < reach && t > 0.0;
                 is_within.then_some(Moved {
@@ -102,7 +105,8 @@ impl Torso {
             color: color::tissue("skin", 0),
             from_nipple,
             moved,
-            turns: [own.frame, other.frame].map(|side| frame.axes.transpose() * side.axes),
+            turns: hands
+                .map(|hand| frame.axes.transpose() * DMat3::from_diagonal(hand) * own.frame.axes),
             middle: (0.5 * (least + most)).as_vec3(),
             radius_mm: SHOWN * (most - least).truncate().max_element() as f32,
             azimuth: front.x.atan2(front.z) as f32,
@@ -196,6 +200,21 @@ impl<'a> Skin<'a> {
         Self { fields, toward, field, per_spacing, side }
     }
 
+    /// The nodes of the cell at a place along the wall, and their weights.
+    fn cell(&self, along: DVec2) -> [(usize, f64); 4] {
+        let most = (self.side - 1) as f64;
+        let at = along * self.per_spacing + DVec2::splat(0.5 * most);
+        let at = at.clamp(DVec2::ZERO, DVec2::splat(most));
+        let low = at.floor().min(DVec2::splat(most - 1.0));
+        let (t, k) = (at - low, low.y as usize * self.side + low.x as usize);
+        [
+            (k, (1.0 - t.x) * (1.0 - t.y)),
+            (k + 1, t.x * (1.0 - t.y)),
+            (k + self.side, (1.0 - t.x) * t.y),
+            (k + self.side + 1, t.x * t.y),
+        ]
+    }
+
     /// Displacement \[mm\] and value at a place over the plane.
     fn at(&self, place: DVec2) -> (DVec3, Option<f32>) {
         let problem = self.fields.solution().problem();
@@ -203,29 +222,21 @@ impl<'a> Skin<'a> {
             return (DVec3::ZERO, None);
         }
         // The skin at rest over that place is another place along a curved wall.
-        let (chest, layers) = (&problem.obstacle.wall.0, problem.rest.layers() - 1);
-        let height: f64 = problem.rest.cells().iter().map(|cells| cells.height_mm).sum();
+        let rest = |k: usize| problem.rest.node(problem.rest.layers() - 1, k);
         let mut along = place;
         for _ in 0..STEPS {
-            let within = along.clamp_length_max(problem.sheet().radius_mm());
-            let foot = chest.point(within, height).truncate();
-            along = within + (place - foot);
+            let above: DVec3 = self.cell(along).into_iter().map(|(k, w)| w * rest(k)).sum();
+            along += place - above.truncate();
         }
-        let at = along * self.per_spacing + DVec2::splat(0.5 * (self.side - 1) as f64);
-        let most = (self.side - 1) as f64;
-        let at = at.clamp(DVec2::ZERO, DVec2::splat(most));
-        let low = at.floor().min(DVec2::splat(most - 1.0));
-        let (t, k) = (at - low, low.y as usize * self.side + low.x as usize);
-        let corners = [k, k + 1, k + self.side, k + self.side + 1];
-        let weights = [(1.0 - t.x) * (1.0 - t.y), t.x * (1.0 - t.y), (1.0 - t.x) * t.y, t.x * t.y];
+        let cell = self.cell(along);
         let moved = |k: usize| {
             let here = self.top(self.fields, k);
             let to = self
                 .toward
                 .map_or(here, |(to, part)| here + f64::from(part) * (self.top(to, k) - here));
-            to - problem.rest.node(layers, k)
+            to - rest(k)
         };
-        let move_mm = corners.into_iter().zip(weights).map(|(k, w)| w * moved(k)).sum();
+        let move_mm = cell.into_iter().map(|(k, w)| w * moved(k)).sum();
         let value = self.field.and_then(|field| {
             let own = self.fields.values(field);
             let to = self.toward.map(|(to, part)| (to.values(field), part));
@@ -234,7 +245,7 @@ impl<'a> Skin<'a> {
                 let there = to.and_then(|(to, part)| Some(part * (to.get(k)? - here)));
                 Some(f64::from(here + there.unwrap_or(0.0)))
             };
-            let parts = corners.into_iter().zip(weights).map(|(k, w)| Some(w * value(k)?));
+            let parts = cell.into_iter().map(|(k, w)| Some(w * value(k)?));
             parts.sum::<Option<f64>>().map(|value| value as f32)
         });
         (move_mm, value)
