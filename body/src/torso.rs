@@ -260,12 +260,14 @@ impl Mound {
             });
             let matrix = [0, 1, 2].map(|row| columns.map(|column| column[row]));
             let Some(step) = solved(matrix, missing) else { break };
-            let before = numbers;
+            let mut moved = 0.0_f64;
             for (k, (number, step)) in numbers.iter_mut().zip(step).enumerate() {
                 let [least, most] = RANGES_MM[k];
-                *number = (*number + step.clamp(-STEP_MM, STEP_MM)).clamp(least, most);
+                let after = (*number + step.clamp(-STEP_MM, STEP_MM)).clamp(least, most);
+                moved = moved.max((after - *number).abs());
+                *number = after;
             }
-            if numbers == before {
+            if moved <= 0.0 {
                 break;
             }
         }
