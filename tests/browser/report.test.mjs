@@ -181,7 +181,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await paper.emulateMedia({ media: "print" });
     await paper.setViewportSize({ width: 700, height: 1000 });
     const widths = await paper.locator("img").evaluateAll((images) => images.map((image) => image.getBoundingClientRect().width));
-    const points = [270, 270, 270, 700, 860].map((wide, k) => (0.75 * 11.5 * widths[k]) / wide);
+    const points = [270, 270, 270, 700, 560].map((wide, k) => (0.75 * 11.5 * widths[k]) / wide);
     assert.ok(points.every((size) => size > 5.5), `${points} points`);
     await paper.emulateMedia({ media: "screen" });
     // The poses are the same whatever the screen shows.
