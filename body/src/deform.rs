@@ -2,6 +2,7 @@
 //! over the last 15 mm of the patch (by up to 0.4 mm), so that the skin has no kink there.
 
 use crate::frame::Frame;
+use crate::grid::smooth_step;
 use crate::marks::Marks;
 use crate::surface::Surface;
 use glam::{DMat3, DVec2, DVec3};
@@ -144,9 +145,7 @@ impl<'a> Columns<'a> {
         };
         let rise = self.shares[above] - self.shares[below];
         let part = if rise > 0.0 { (share - self.shares[below]) / rise } else { 0.0 };
-        let inside = (half - place.length()) * self.spacing_mm / FADE_MM;
-        let inside = inside.clamp(0.0, 1.0);
-        let fade = inside * inside * (3.0 - 2.0 * inside);
+        let fade = smooth_step((half - place.length()) * self.spacing_mm / FADE_MM);
         let by = (moved(below) * (1.0 - part) + moved(above) * part) * fade;
         (by != DVec3::ZERO).then_some(by)
     }

@@ -11,6 +11,14 @@ pub struct Grid {
     pub spacing_mm: f64,
 }
 
+/// A step from 0 to 1 between 0 and 1, continuously differentiable.
+#[inline]
+#[must_use]
+pub fn smooth_step(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
 impl Grid {
     /// Nodes a side.
     #[must_use]

@@ -7,6 +7,7 @@
 
 use crate::chest::solved;
 use crate::fit::{self, BodyFit, FitError, Settings};
+use crate::grid::smooth_step;
 use crate::half;
 use crate::marks::{BreastMarks, Marks, Side};
 use crate::surface::Surface;
@@ -81,17 +82,17 @@ pub fn builtin() -> Torso {
     let (right, triangles) = half::read();
     let count = right.len();
     let mut positions = right;
-    let mut mirrored = Vec::with_capacity(count);
+    let mut image = Vec::with_capacity(count);
     for k in 0..count {
         let at = positions[k];
         if at.x == 0.0 {
-            mirrored.push(k as u32);
+            image.push(k as u32);
         } else {
-            mirrored.push(positions.len() as u32);
-            positions.push(DVec3::new(-at.x, at.y, at.z));
+            image.push(positions.len() as u32);
+            positions.push(mirrored(at));
         }
     }
-    let left = triangles.iter().map(|&[a, b, c]| [a, c, b].map(|k| mirrored[k as usize]));
+    let left = triangles.iter().map(|&[a, b, c]| [a, c, b].map(|k| image[k as usize]));
     let triangles = triangles.iter().copied().chain(left).collect();
     Torso { surface: Surface { positions, triangles, colors: None }, marks: marks() }
 }
@@ -106,21 +107,25 @@ fn marks() -> Marks {
         lateral: of_left(140.58, 371.08, 84.61),
         implant_centre: None,
     };
-    let mirrored = |at: DVec3| DVec3::new(-at.x, at.y, at.z);
-    let right = BreastMarks {
-        fold: mirrored(left.fold),
-        upper: mirrored(left.upper),
-        medial: mirrored(left.medial),
-        lateral: mirrored(left.lateral),
-        implant_centre: None,
-    };
     let nipple = of_left(113.04, 347.51, 179.96);
     Marks {
         sternal_notch: of_left(0.0, 500.21, 89.78),
         navel: of_left(0.0, 119.77, 153.74),
         nipples: [nipple, mirrored(nipple)],
-        breasts: [Some(left), Some(right)],
+        breasts: both(left),
     }
+}
+
+/// The image in the midplane.
+fn mirrored(at: DVec3) -> DVec3 {
+    DVec3::new(-at.x, at.y, at.z)
+}
+
+/// The marks of a left breast and of its image.
+fn both(left: BreastMarks) -> [Option<BreastMarks>; 2] {
+    let BreastMarks { fold, upper, medial, lateral, .. } = left;
+    let [fold, upper, medial, lateral] = [fold, upper, medial, lateral].map(mirrored);
+    [Some(left), Some(BreastMarks { fold, upper, medial, lateral, implant_centre: None })]
 }
 
 /// The places of a breast's marks in the plane of a frame.
@@ -174,7 +179,7 @@ impl Mound {
     /// How far a place belongs to the breast, from 1 within to 0 far away \[-\].
     fn share(&self, place: DVec2) -> f64 {
         let far = ((place - self.center) / self.half).length();
-        smooth((END[1] - far) / (END[1] - END[0]))
+        smooth_step((END[1] - far) / (END[1] - END[0]))
     }
 
     /// The place of the frame, and the height over the bare chest, of a place and a height of the given mound.
@@ -185,7 +190,7 @@ impl Mound {
         let beside = place.x.clamp(medial.x, lateral.x) - nipple.x;
         let across = self.fit.frame.point(place.extend(self.bare(place))).x;
         let aside = shape.aside + (shape.across - 1.0) * beside;
-        let way = DVec2::new(aside * share * smooth(across / MIDLINE_MM), 0.0);
+        let way = DVec2::new(aside * share * smooth_step(across / MIDLINE_MM), 0.0);
         (place + way, height_mm * (1.0 + (shape.height - 1.0) * share))
     }
 
@@ -283,12 +288,6 @@ impl Shape {
     }
 }
 
-/// A smooth step from 0 to 1.
-fn smooth(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 /// Width of the chest at the level of the folds, without arms \[mm\].
 fn chest_width(torso: &Torso) -> f64 {
     const LEVEL_MM: f64 = 4.0;
@@ -327,7 +326,6 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
         let missing = missing * found.notch_nipple_mm / down;
         long = (long * (1.0 + missing / down)).clamp(LONG[0], LONG[1]);
     };
-    let mirrored = |at: DVec3| DVec3::new(-at.x, at.y, at.z);
     for at in &mut torso.surface.positions {
         *at = match at.x {
             x if x < 0.0 => mirrored(mound.vertex(&shape, mirrored(*at))),
@@ -344,11 +342,8 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
         lateral: at(lateral),
         implant_centre: None,
     };
-    let BreastMarks { fold, upper, medial, lateral, .. } = left;
-    let [fold, upper, medial, lateral] = [fold, upper, medial, lateral].map(mirrored);
-    let right = BreastMarks { fold, upper, medial, lateral, implant_centre: None };
     torso.marks.nipples = [at(nipple), mirrored(at(nipple))];
-    torso.marks.breasts = [Some(left), Some(right)];
+    torso.marks.breasts = both(left);
     Ok((torso, found))
 }
 
@@ -362,7 +357,7 @@ impl Mound {
             return at;
         }
         // Skin of the flank and of the arm lies below and stays.
-        let part = smooth((height + BELOW_MM) / BELOW_MM);
+        let part = smooth_step((height + BELOW_MM) / BELOW_MM);
         let (to, raised) = self.moved(shape, place, height.max(0.0));
         let way = (to - place) * part;
         let rise = (raised - height.max(0.0)) * part + self.bare(place + way) - self.bare(place);

@@ -9,6 +9,7 @@ use crate::mesh::{Mesh, NO_VALUE, Vertex, vertex};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use implant_preview_core::body::fit::{Settings, fit};
 use implant_preview_core::body::frame::Frame;
+use implant_preview_core::body::grid::smooth_step;
 use implant_preview_core::body::marks::Side;
 use implant_preview_core::body::torso::{self, Tape};
 use implant_preview_core::measure::{Field, Fields};
@@ -77,13 +78,9 @@ impl Torso {
                 let local = own.frame.local(*at * hand);
                 let place = local.truncate();
                 let apart = (local.z - own.grid.value(&own.skin_mm, place)).abs();
-                let t = ((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0])).clamp(0.0, 1.0);
-                let is_within = place.length() < reach && t > 0.0;
-                is_within.then_some(Moved {
-                    vertex: k as u32,
-                    place,
-                    share: t * t * (3.0 - 2.0 * t),
-                })
+                let share = smooth_step((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0]));
+                let is_within = place.length() < reach && share > 0.0;
+                is_within.then_some(Moved { vertex: k as u32, place, share })
             };
             body.surface.positions.iter().enumerate().filter_map(of).collect()
         });
@@ -138,7 +135,7 @@ impl Torso {
                 let (move_mm, value) = skin.at(place);
                 positions[vertex as usize] += share * (self.turns[side] * move_mm);
                 // Where both patches overlap, that of the nearer pocket counts.
-                let part = (share * smooth((border - place.length()) / FADE_MM)) as f32;
+                let part = (share * smooth_step((border - place.length()) / FADE_MM)) as f32;
                 let own = &mut values[vertex as usize];
                 if let Some(value) = value.filter(|_| part > own[1]) {
                     *own = [value, part];
@@ -169,12 +166,6 @@ impl Torso {
         }
         sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z).as_vec3()).collect()
     }
-}
-
-/// A smooth step from 0 to 1.
-fn smooth(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// The frame turned about its x until its y is the body's axis towards the head: a standing patient is upright.
