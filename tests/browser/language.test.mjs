@@ -14,7 +14,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
     const field = page.locator("#implant-preview-canvas + input");
     assert.equal(await field.getAttribute("aria-label"), "Lo que se escribe en la vista previa");
     assert.match(
-      await harness.summary(page, ", como la práctica."),
+      await harness.summary(page, "Al día."),
       /^Plan: implante de 300 ml, 12 cm de anchura\. Estiramiento de la piel \d+ por ciento, como la práctica\. .* Al día\./,
     );
     const form = page.getByRole("form", { name: "Plan" });
