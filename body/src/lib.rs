@@ -1,7 +1,7 @@
 //! A body's surface: read from a file, marked, fitted by a chest wall and a thickness of tissue, deformed by a solution,
 //! measured.
 //!
-//! Module order: `surface` → `read` → `write` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso` | `deform`, `measures`.
+//! Module order: `surface` → `read` → `write`, `pick`, `reduce` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso` | `deform`, `measures`, `propose`.
 //! Lengths in mm, f64.
 
 pub mod chest;
@@ -13,9 +13,12 @@ pub mod grid;
 mod half;
 pub mod marks;
 pub mod measures;
+pub mod pick;
+pub mod propose;
 pub mod quality;
 pub mod raster;
 pub mod read;
+pub mod reduce;
 pub mod surface;
 pub mod torso;
 mod wall;

@@ -38,6 +38,13 @@ impl View<'_> {
         up > LEAST_UP * length
     }
 
+    /// Those of some triangles that face outwards.
+    #[must_use]
+    pub fn outwards(&self, triangles: &[u32]) -> Vec<u32> {
+        let faces = |index: &u32| self.is_outwards(self.surface.triangles[*index as usize]);
+        triangles.iter().copied().filter(faces).collect()
+    }
+
     /// The triangles that hang together with the vertex nearest to the frame's origin through triangles that face outwards, each
     /// connected with those that have a vertex in common.
     #[must_use]

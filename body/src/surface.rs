@@ -101,26 +101,52 @@ fn hash(position: DVec3, slots: usize) -> usize {
     (mixed >> (64 - slots.trailing_zeros())) as usize
 }
 
-/// Number of connected parts of triangles over welded vertices: disjoint sets.
+/// Number of connected parts of triangles over welded vertices.
 pub(crate) fn count_parts(welded: &[u32], triangles: &[[u32; 3]]) -> usize {
-    let mut parent: Vec<u32> = welded.to_vec();
-    let mut root = |k: u32, to: Option<u32>| {
-        let mut at = k as usize;
-        while parent[at] as usize != at {
-            parent[at] = parent[parent[at] as usize];
-            at = parent[at] as usize;
+    let mut sets = Sets::new(welded, triangles);
+    let mut is_root = vec![false; welded.len()];
+    triangles.iter().for_each(|t| is_root[sets.root(t[0]) as usize] = true);
+    is_root.into_iter().filter(|is| *is).count()
+}
+
+/// Triangles of the part of a surface that has the greatest area.
+pub(crate) fn main_part(surface: &Surface, welded: &[u32]) -> Vec<u32> {
+    let mut sets = Sets::new(welded, &surface.triangles);
+    let roots: Vec<u32> = surface.triangles.iter().map(|t| sets.root(t[0])).collect();
+    let mut areas = vec![0.0; welded.len()];
+    for (triangle, root) in surface.triangles.iter().zip(&roots) {
+        let [a, b, c] = surface.corners(*triangle);
+        areas[*root as usize] += (b - a).cross(c - a).length();
+    }
+    let most = (0..welded.len()).max_by(|&a, &b| f64::total_cmp(&areas[a], &areas[b]));
+    let is_main =
+        |(index, root): (usize, &u32)| (Some(*root as usize) == most).then_some(index as u32);
+    roots.iter().enumerate().filter_map(is_main).collect()
+}
+
+/// Disjoint sets of vertices that triangles connect.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn new(welded: &[u32], triangles: &[[u32; 3]]) -> Self {
+        let mut sets = Self(welded.to_vec());
+        for &[a, b, c] in triangles {
+            let first = sets.root(a);
+            for other in [b, c] {
+                let root = sets.root(other);
+                sets.0[root as usize] = first;
+            }
         }
-        if let Some(to) = to {
-            parent[at] = to;
+        sets
+    }
+
+    /// The representative of a vertex's set (path halving).
+    fn root(&mut self, vertex: u32) -> u32 {
+        let (parents, mut at) = (&mut self.0, vertex as usize);
+        while parents[at] as usize != at {
+            parents[at] = parents[parents[at] as usize];
+            at = parents[at] as usize;
         }
         at as u32
-    };
-    for &[a, b, c] in triangles {
-        let first = root(a, None);
-        root(b, Some(first));
-        root(c, Some(first));
     }
-    let mut is_root = vec![false; welded.len()];
-    triangles.iter().for_each(|t| is_root[root(t[0], None) as usize] = true);
-    is_root.into_iter().filter(|is| *is).count()
 }
