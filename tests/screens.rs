@@ -60,6 +60,8 @@ mod plan;
 mod practice;
 #[path = "screens/research.rs"]
 mod research;
+#[path = "screens/scan.rs"]
+mod scan;
 #[path = "screens/shelf.rs"]
 mod shelf;
 #[path = "screens/side.rs"]

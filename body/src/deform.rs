@@ -7,11 +7,13 @@ use crate::marks::Marks;
 use crate::surface::Surface;
 use glam::{DMat3, DVec2, DVec3};
 use implant_preview_solver::mesh::{CellKind, Chest, NodeKind};
-use implant_preview_solver::solve::Solution;
+use implant_preview_solver::solve::{Problem, Solution};
 
 /// Greatest number of steps of Newton's method for a vertex, and of full steps: 3 to 5 converge.
 const STEPS: usize = 30;
 const FULL_STEPS: usize = 8;
+/// Steps from a place over the plane to a place along the wall.
+const ALONG_STEPS: usize = 4;
 /// Number of steps beyond the tissue after which a point is outside of it.
 const MOST_BEYOND: usize = 4;
 /// Length of the last step \[grid spacings, thicknesses\].
@@ -25,11 +27,9 @@ const BELOW_WALL: f64 = 0.02;
 #[must_use]
 pub fn deform(surface: &Surface, frame: &Frame, solution: &Solution) -> Surface {
     let mut deformed = surface.clone();
-    let columns = Columns::new(solution);
+    let (columns, moves) = (Columns::new(solution.problem()), Moves::new(solution));
     for position in &mut deformed.positions {
-        if let Some(by) = columns.displacement(frame.local(*position)) {
-            *position += frame.direction(by);
-        }
+        *position = moved(*position, frame, &columns, &moves).unwrap_or(*position);
     }
     deformed
 }
@@ -37,11 +37,14 @@ pub fn deform(surface: &Surface, frame: &Frame, solution: &Solution) -> Surface 
 /// Marks after a solve: material points, which move with the tissue.
 #[must_use]
 pub fn deform_marks(marks: &Marks, frame: &Frame, solution: &Solution) -> Marks {
-    let columns = Columns::new(solution);
-    marks.mapped(|point| {
-        let by = columns.displacement(frame.local(point)).unwrap_or_default();
-        point + frame.direction(by)
-    })
+    let (columns, moves) = (Columns::new(solution.problem()), Moves::new(solution));
+    marks.mapped(|point| moved(point, frame, &columns, &moves).unwrap_or(point))
+}
+
+/// A point after a solve \[mm\]; `None` where the tissue does not move.
+fn moved(point: DVec3, frame: &Frame, columns: &Columns, moves: &Moves) -> Option<DVec3> {
+    let by = moves.of(&columns.weights(frame.local(point))?);
+    (by != DVec3::ZERO).then(|| point + frame.direction(by))
 }
 
 /// Volume that a surface gains between two shapes of equal triangles whose borders are equal \[ml\]: over an implant that of the
@@ -57,33 +60,106 @@ pub fn gained_ml(before: &Surface, after: &Surface) -> f64 {
     before.triangles.iter().map(of).sum::<f64>() / 6e3
 }
 
-/// The columns of the tissue at rest, and how their nodes moved.
-struct Columns<'a> {
+/// How a point moves with the nodes of a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Nodes of the cell, and their weights \[-\].
+    corners: [(u32, f64); 4],
+    /// Layers of nodes below and above the point.
+    layers: [usize; 2],
+    /// The part of the upper layer, and of the displacement near the patch's edge \[-\].
+    part: f64,
+    fade: f64,
+    /// Share of the column's height \[-\].
+    share: f64,
+}
+
+impl Weights {
+    /// Height of the point in its column, from the wall (0) to the skin (1) \[-\].
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// The value at the point of values at the nodes of the skin; `None` without values.
+    #[must_use]
+    pub fn value(&self, values: &[f32]) -> Option<f32> {
+        let of = |(k, weight): (u32, f64)| Some(weight * f64::from(*values.get(k as usize)?));
+        self.corners.into_iter().map(of).sum::<Option<f64>>().map(|value| value as f32)
+    }
+}
+
+/// Displacements of the nodes of a solution \[mm\], layer by layer.
+#[derive(Clone, Debug)]
+pub struct Moves(Vec<Vec<DVec3>>);
+
+impl Moves {
+    /// From rest to a shape.
+    #[must_use]
+    pub fn new(solution: &Solution) -> Self {
+        let rest = &solution.problem().rest;
+        let shapes =
+            std::iter::once(solution.inner()).chain(solution.outer().iter().map(Vec::as_slice));
+        let moves = |(layer, shape): (usize, &[DVec3])| {
+            shape.iter().zip(rest.nodes(layer)).map(|(now, rest)| *now - rest).collect()
+        };
+        Self(shapes.enumerate().map(moves).collect())
+    }
+
+    /// From rest to a part of the way to a shape of the same grid \[-\].
+    #[must_use]
+    pub fn toward(mut self, to: &Self, part: f64) -> Self {
+        for (own, to) in self.0.iter_mut().flatten().zip(to.0.iter().flatten()) {
+            *own = own.lerp(*to, part);
+        }
+        self
+    }
+
+    /// Displacement of a point \[mm\].
+    #[inline]
+    #[must_use]
+    pub fn of(&self, weights: &Weights) -> DVec3 {
+        let [below, above] = weights.layers;
+        let moved = |layer: usize| -> DVec3 {
+            let of = |(k, weight): (u32, f64)| self.0[layer][k as usize] * weight;
+            weights.corners.into_iter().map(of).sum()
+        };
+        let part = weights.part;
+        (moved(below) * (1.0 - part) + moved(above) * part) * weights.fade
+    }
+}
+
+/// The columns of the tissue at rest.
+#[derive(Clone, Debug)]
+pub struct Columns {
     /// Nodes a side.
     side: usize,
     spacing_mm: f64,
+    /// Radius of the patch \[mm\].
+    radius_mm: f64,
     /// Foot of each column \[mm\].
     feet: Vec<DVec3>,
     /// From the foot to the skin \[mm\].
     ups: Vec<DVec3>,
     /// Heights of the layers of nodes \[column heights\].
     shares: Vec<f64>,
-    /// Positions after the solve and at rest \[mm\], layer by layer.
-    layers: Vec<(&'a [DVec3], Vec<DVec3>)>,
+    /// The outermost nodes \[mm\].
+    skin: Vec<DVec3>,
     /// Slope of the plane that the wall's heights count from \[-\].
     tilt: DVec2,
     /// Least height of a foot \[mm\] and greatest distance of a node from the z axis, squared \[mm²\].
     reach: (f64, f64),
 }
 
-impl<'a> Columns<'a> {
-    fn new(solution: &'a Solution) -> Self {
-        let problem = solution.problem();
+impl Columns {
+    /// The columns of a problem's tissue.
+    #[must_use]
+    pub fn new(problem: &Problem) -> Self {
         let (rest, sheet) = (&problem.rest, problem.sheet());
         let top = rest.layers() - 1;
+        let skin: Vec<DVec3> = rest.nodes(top).collect();
         let mut feet: Vec<DVec3> = rest.nodes(0).collect();
-        let mut ups: Vec<DVec3> =
-            feet.iter().zip(rest.nodes(top)).map(|(foot, tip)| tip - *foot).collect();
+        let mut ups: Vec<DVec3> = feet.iter().zip(&skin).map(|(foot, tip)| *tip - *foot).collect();
         // The outer corner of a cell on the patch's edge completes a parallelogram.
         let side = sheet.nodes_per_side();
         for (j, i) in (0..side - 1).flat_map(|j| (0..side - 1).map(move |i| (j, i))) {
@@ -105,10 +181,6 @@ impl<'a> Columns<'a> {
             // A sheet has no height: a column of one spacing.
             ups.fill(DVec3::Z * sheet.spacing_mm());
         }
-        let shapes =
-            std::iter::once(solution.inner()).chain(solution.outer().iter().map(Vec::as_slice));
-        let layers =
-            shapes.enumerate().map(|(layer, shape)| (shape, rest.nodes(layer).collect())).collect();
         let tilt = match &problem.obstacle.wall.0 {
             Chest::Grid(heights) => DVec2::from(heights.tilt()),
             _ => DVec2::ZERO,
@@ -118,12 +190,13 @@ impl<'a> Columns<'a> {
             foot.truncate().length_squared().max((*foot + *up).truncate().length_squared())
         });
         let reach = (low - sheet.spacing_mm(), far.fold(0.0, f64::max));
-        let spacing_mm = sheet.spacing_mm();
-        Self { side, spacing_mm, feet, ups, shares, layers, tilt, reach }
+        let (spacing_mm, radius_mm) = (sheet.spacing_mm(), sheet.radius_mm());
+        Self { side, spacing_mm, radius_mm, feet, ups, shares, skin, tilt, reach }
     }
 
-    /// Displacement of a point of the frame \[mm\]; `None` where the tissue does not move.
-    fn displacement(&self, point: DVec3) -> Option<DVec3> {
+    /// How a point of the frame moves; `None` where the tissue does not move.
+    #[must_use]
+    pub fn weights(&self, point: DVec3) -> Option<Weights> {
         let (low, far) = self.reach;
         let point = point.with_z(point.z - self.tilt.dot(point.truncate()));
         if point.z < low || point.truncate().length_squared() > far {
@@ -132,22 +205,51 @@ impl<'a> Columns<'a> {
         let (place, share) = self.place(point)?;
         let half = 0.5 * (self.side - 1) as f64;
         let (node, [a, b]) = self.cell(place + DVec2::splat(half))?;
-        let corners = [node, node + 1, node + self.side, node + self.side + 1];
-        let weights = [(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b];
         let share = share.clamp(0.0, 1.0);
         let above =
             self.shares.iter().position(|at| *at >= share)?.max(1).min(self.shares.len() - 1);
         let below = above.saturating_sub(1);
-        let moved = |layer: usize| {
-            let (shape, rest) = &self.layers[layer];
-            let of = |(k, weight): (&usize, f64)| (shape[*k] - rest[*k]) * weight;
-            corners.iter().zip(weights).map(of).sum::<DVec3>()
-        };
         let rise = self.shares[above] - self.shares[below];
         let part = if rise > 0.0 { (share - self.shares[below]) / rise } else { 0.0 };
         let fade = smooth_step((half - place.length()) * self.spacing_mm / FADE_MM);
-        let by = (moved(below) * (1.0 - part) + moved(above) * part) * fade;
-        (by != DVec3::ZERO).then_some(by)
+        let corners = self.corners(node, [a, b]);
+        Some(Weights { corners, layers: [below, above], part, fade, share })
+    }
+
+    /// How the skin over a place of the plane moves \[mm\]; `None` beyond the patch.
+    #[must_use]
+    pub fn over(&self, place: DVec2) -> Option<Weights> {
+        if place.length() >= self.radius_mm {
+            return None;
+        }
+        let most = (self.side - 1) as f64;
+        let cell = |along: DVec2| {
+            let at = along / self.spacing_mm + DVec2::splat(0.5 * most);
+            let at = at.clamp(DVec2::ZERO, DVec2::splat(most));
+            let low = at.floor().min(DVec2::splat(most - 1.0));
+            let node = low.y as usize * self.side + low.x as usize;
+            self.corners(node, (at - low).to_array())
+        };
+        // The skin at rest over that place is another place along a curved wall.
+        let mut along = place;
+        for _ in 0..ALONG_STEPS {
+            let above = |(k, weight): (u32, f64)| self.skin[k as usize] * weight;
+            let above: DVec3 = cell(along).into_iter().map(above).sum();
+            along += place - above.truncate();
+        }
+        let top = self.shares.len() - 1;
+        Some(Weights { corners: cell(along), layers: [top; 2], part: 1.0, fade: 1.0, share: 1.0 })
+    }
+
+    /// The nodes of a cell and their weights at a place in it.
+    fn corners(&self, node: usize, [a, b]: [f64; 2]) -> [(u32, f64); 4] {
+        let of = |by: usize, weight: f64| ((node + by) as u32, weight);
+        [
+            of(0, (1.0 - a) * (1.0 - b)),
+            of(1, a * (1.0 - b)),
+            of(self.side, (1.0 - a) * b),
+            of(self.side + 1, a * b),
+        ]
     }
 
     /// The cell of a place of the grid: its first node, and the place in the cell.

@@ -5,7 +5,7 @@
 //! milliseconds between the plan and what shows its results. At rest the app neither solves nor draws.
 //!
 //! The rooms: `frame` runs frames and arranges the screen; `plan` with the `curve_editor` on the left, `picture` or `range` in the
-//! middle, `answer` on the right; `paper` is what leaves the screen. All use `widgets` and `texts`. This file contains the state of the app.
+//! middle, `answer` on the right; `scan` the step in which a body gets its marks; `paper` is what leaves the screen. All use `widgets` and `texts`. This file contains the state of the app.
 //!
 //! Uses all modules to its left. Used by `platform`.
 
@@ -16,6 +16,7 @@ mod paper;
 mod picture;
 mod plan;
 mod range;
+mod scan;
 mod texts;
 mod widgets;
 
@@ -47,6 +48,7 @@ use picture::viewport::Viewport;
 use plan::volume_marks::VolumeMarks;
 use range::Range;
 use range::shelf_largest::ShelfLargest;
+use scan::Scan;
 use std::sync::Arc;
 use texts::tr;
 
@@ -63,6 +65,10 @@ pub struct App {
     insertion: Insertion,
     screen: Screen,
     windows: Windows,
+    /// The scan whose marks are being set, in place of plan and answer.
+    scan: Option<Scan>,
+    /// Marks that were dropped with a scan, which is still being read.
+    early_marks: Option<frame::scan::EarlyMarks>,
     notice: Option<Notice>,
     focus: Focus,
     files: Files,
@@ -118,6 +124,8 @@ impl App {
             insertion: Insertion::default(),
             screen: Screen::default(),
             windows: Windows::default(),
+            scan: None,
+            early_marks: None,
             notice: None,
             focus: Focus::default(),
             files: Files::new(),

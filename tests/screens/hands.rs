@@ -436,10 +436,10 @@ fn a_command_is_found_by_typing_and_executed_by_enter() {
     let mut harness = desktop();
     open_list(&mut harness);
     assert!(harness.get_by_role_and_label(Role::TextInput, "Search a command").is_focused());
-    harness.get_by_role_and_label(Role::MenuItem, "Open plan… Ctrl+O");
+    harness.get_by_role_and_label(Role::MenuItem, "Open plan or scan… Ctrl+O");
     harness.event(egui::Event::Text("range".to_owned()));
     harness.run();
-    assert!(harness.query_by_role_and_label(Role::MenuItem, "Open plan… Ctrl+O").is_none());
+    assert!(harness.query_by_role_and_label(Role::MenuItem, "Open plan or scan… Ctrl+O").is_none());
     harness.key_press(Key::Enter);
     harness.run();
     assert!(harness.query_by_label("Search a command").is_none());

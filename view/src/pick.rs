@@ -110,7 +110,7 @@ fn is_behind_wall(ray: &Ray, distance: f32, body: &Body, obstacle: &Obstacle) ->
 }
 
 /// Distance along the ray and barycentric weights (T. Möller and B. Trumbore, 1997).
-fn ray_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
+pub(crate) fn ray_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
     let (ab, ac) = (b - a, c - a);
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);

@@ -7,7 +7,7 @@ use crate::quantity::{Colouring, Quantity};
 use crate::section::{CapTriangle, Section};
 use crate::strokes;
 use crate::subject::Subject;
-use crate::torso::Torso;
+use crate::torso::{Attached, Torso};
 use implant_preview_core::contact::Dome;
 use implant_preview_core::measure::Fields;
 use implant_preview_core::mesh::Chest;
@@ -35,8 +35,12 @@ pub struct Picture {
     pub meshes: [Arc<Mesh>; 4],
     /// The torso with the skin of both sides, in place of the tissue; `None` while it is not asked for.
     pub torso: Option<Arc<Mesh>>,
-    /// What it was made of.
+    /// What the torso was made of.
     torso_made: Option<(u64, Colouring)>,
+    /// The torso, and how it moves with the tissue.
+    attached: Option<(Rc<Torso>, Attached)>,
+    /// Previous meshes of the torso, whose memory is reused.
+    torsos_before: Vec<Arc<Mesh>>,
     /// Number of meshes made so far.
     pub meshes_made: u64,
     /// The scale's colours.
@@ -114,20 +118,34 @@ impl Picture {
     }
 
     /// Updates the torso to the drawn shape and colours, or drops it.
-    pub fn update_torso(&mut self, subject: &impl Subject, torso: Option<&Torso>) {
+    pub fn update_torso(&mut self, subject: &impl Subject, torso: Option<&Rc<Torso>>) {
         let made = self.shape_made.zip(self.colouring_made);
         let (Some(torso), Some(fields)) = (torso.filter(|_| !self.body.is_empty()), &self.fields)
         else {
             (self.torso, self.torso_made) = (None, None);
             return;
         };
-        if made.is_some() && made == self.torso_made {
+        let is_same = self.attached.as_ref().is_some_and(|(known, _)| Rc::ptr_eq(known, torso));
+        if is_same && made.is_some() && made == self.torso_made {
             return;
         }
+        let problem = fields.solution().problem();
+        let known = self.attached.take().filter(|(_, known)| is_same && known.is_of(problem));
+        let new = || (Rc::clone(torso), torso.attached(problem));
+        let (_, attached) = &*self.attached.insert(known.unwrap_or_else(new));
         let toward = subject.toward().map(|(to, part)| (&**to, part));
         let field = self.colouring_made.and_then(|colouring| colouring.quantity.field());
-        self.torso = Some(Arc::new(torso.mesh(fields, toward, field)));
+        let room = take_unused(&mut self.torsos_before);
+        let mesh = Arc::new(torso.mesh(attached, fields, toward, field, room));
+        self.torsos_before.extend(self.torso.replace(mesh));
         self.torso_made = made;
+    }
+
+    /// The drawn torso before, if one is drawn.
+    #[must_use]
+    pub fn before(&self) -> Option<&Arc<Mesh>> {
+        let (torso, _) = self.attached.as_ref().filter(|_| self.torso.is_some())?;
+        Some(torso.before())
     }
 
     fn should_wait(&self, now: f64) -> bool {

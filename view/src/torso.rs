@@ -1,21 +1,28 @@
-//! A body around the tissue: the built-in torso with the computed skin on both sides. No patient's shape, and no part of the model.
+//! A body around the tissue, drawn with the computed skin: her own surface, or the built-in torso, which is no patient's shape. No part of
+//! the model.
 //!
-//! The torso's bare chest lies under the plan's wall at the pocket's centre. Each vertex within the patch moves as the computed skin at the
-//! same place over the plane of the frame (the column's displacement, trilinear in its cell); the other side is the mirror image.
+//! The built-in torso's bare chest lies under the plan's wall at the pocket's centre. Each of its vertices within the patch moves as the computed skin
+//! over the same place of the plane; the other side is the mirror image. Each vertex of a fitted surface moves with the columns at its own
+//! depth, as in [`implant_preview_core::body::deform`].
 
-use crate::camera::Ball;
+use crate::camera::{Ball, Ray};
 use crate::color::{self, Rgb};
 use crate::mesh::{Mesh, NO_VALUE, Vertex, vertex};
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use crate::pick;
+use glam::{DMat3, DVec3, Vec3};
+use implant_preview_core::body::deform::{Columns, Moves, Weights};
 use implant_preview_core::body::fit::{Settings, fit};
 use implant_preview_core::body::frame::Frame;
 use implant_preview_core::body::grid::smooth_step;
-use implant_preview_core::body::marks::Side;
+use implant_preview_core::body::marks::{Marks, Side};
+use implant_preview_core::body::surface::Surface;
 use implant_preview_core::body::torso::{self, Tape};
 use implant_preview_core::measure::{Field, Fields};
+use implant_preview_core::mesh::Rest;
+use implant_preview_core::solve::Problem;
 use std::sync::Arc;
 
-/// Volume of the drawn breast before the operation \[ml\]: the tissue over the implant is that of the plan.
+/// Volume of the drawn breast of the built-in torso before the operation \[ml\]: the tissue over the implant is that of the plan.
 const VOLUME_ML: f64 = 130.0;
 /// From the notch to the nipple of that breast on the trunk as it is stored \[mm\].
 const NOTCH_NIPPLE_MM: f64 = 201.6;
@@ -24,26 +31,30 @@ const NEAR_MM: [f64; 2] = [15.0, 30.0];
 /// The second coordinate on the net of a vertex without net, less the part of the colour of a quantity in its colour, 0 to 1; the first
 /// is the distance from the nipple \[mm\].
 const NO_NET: f32 = -1.0;
+/// Distance from the nipple of a vertex without an areola to draw \[mm\].
+const NO_NIPPLE: f32 = 1e6;
 /// Width at the patch's border over which the colour of a quantity becomes that of the skin \[mm\].
 const FADE_MM: f64 = 25.0;
-/// Steps from a place over the plane to a place along the wall.
-const STEPS: usize = 4;
-/// The part of the torso's extent that a camera shows \[-\].
+/// Share of a column's height between which the colour of the skin comes to show \[-\].
+const SKIN_SHARE: [f64; 2] = [0.8, 0.9];
+/// The part of the built-in torso's extent that a camera shows \[-\].
 const SHOWN: f32 = 0.52;
+/// The radius that a camera shows over the distance from notch to navel \[-\]: that of the built-in torso.
+const SHOWN_OF_TRUNK: f32 = 0.78;
 
-/// The built-in torso in the coordinates of a plan.
+/// A body in the coordinates of a plan, upright.
 #[derive(Debug)]
 pub struct Torso {
-    /// Vertices \[mm\] in the coordinates of the tissue.
-    positions: Vec<DVec3>,
-    indices: Arc<Vec<u32>>,
-    /// Colour of the skin; distances from the nearest nipple \[mm\].
-    color: Rgb,
-    from_nipple: Vec<f32>,
-    /// Vertices that move with the skin, on the own side, then on the other.
-    moved: [Vec<Moved>; 2],
+    /// The body before.
+    before: Arc<Mesh>,
+    /// Vertices that may move.
+    points: Vec<Point>,
+    /// Does each point move with the skin over its place, whatever its depth?
+    is_skin: bool,
     /// From the coordinates of each side's frame to those of the picture.
-    turns: [DMat3; 2],
+    turns: Vec<DMat3>,
+    /// From the coordinates of the surface to those of the picture.
+    frame: Frame,
     /// Middle \[mm\], and half of the extent.
     middle: Vec3,
     radius_mm: f32,
@@ -51,18 +62,43 @@ pub struct Torso {
     azimuth: f32,
 }
 
-/// A vertex of a side.
+/// A vertex that may move.
 #[derive(Clone, Copy, Debug)]
-struct Moved {
+struct Point {
     vertex: u32,
-    /// Its place over the plane of the side's frame \[mm\].
-    place: DVec2,
-    /// The part of the skin's displacement that it takes \[-\].
+    /// Its side in `turns`.
+    side: usize,
+    /// Its place in the side's frame \[mm\].
+    place: DVec3,
+    /// The part of the displacement that it takes \[-\].
     share: f64,
 }
 
+/// How the vertices of a body move with the columns of a tissue at rest.
+#[derive(Debug)]
+pub struct Attached {
+    rest: Rest,
+    /// Vertices that move.
+    moved: Vec<Moved>,
+    /// Vertices whose normals change, and the triangles around them.
+    turned: Vec<u32>,
+    around: Vec<[u32; 3]>,
+}
+
+/// A vertex that moves.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    vertex: u32,
+    /// Its side in `turns`.
+    side: usize,
+    weights: Weights,
+    /// The part of the displacement, and of the colour of a quantity, that it takes \[-\].
+    share: f64,
+    part: f32,
+}
+
 impl Torso {
-    /// The torso; `None` if no chest is found under its breast, which no built-in torso has.
+    /// The built-in torso; `None` if no chest is found under its breast, which no built-in torso has.
     #[must_use]
     pub fn new() -> Option<Self> {
         let tape =
@@ -70,45 +106,93 @@ impl Torso {
         let (body, _) = torso::shaped(&tape).ok()?;
         let settings = Settings::default();
         let own = fit(&body.surface, &body.marks, Side::Left, &settings).ok()?;
+        let frame = upright(&own.frame, DVec3::Y);
+        let nipples = Some(&body.marks.nipples);
+        let mut torso = Self::of_surface(&body.surface, frame, DVec3::Z, nipples);
         // Both halves are mirror images.
         let hands = [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0)];
-        let moved = hands.map(|hand| {
+        for (side, hand) in hands.into_iter().enumerate() {
             let reach = settings.patch_radius_mm;
             let of = |(k, at): (usize, &DVec3)| {
-                let local = own.frame.local(*at * hand);
-                let place = local.truncate();
-                let apart = (local.z - own.grid.value(&own.skin_mm, place)).abs();
+                let place = own.frame.local(*at * hand);
+                let over = place.truncate();
+                let apart = (place.z - own.grid.value(&own.skin_mm, over)).abs();
                 let share = smooth_step((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0]));
-                let is_within = place.length() < reach && share > 0.0;
-                is_within.then_some(Moved { vertex: k as u32, place, share })
+                let is_within = over.length() < reach && share > 0.0;
+                is_within.then_some(Point { vertex: k as u32, side, place, share })
             };
-            body.surface.positions.iter().enumerate().filter_map(of).collect()
-        });
-        let frame = upright(&own.frame);
-        let positions: Vec<DVec3> =
-            body.surface.positions.iter().map(|at| frame.local(*at)).collect();
-        let nipples = body.marks.nipples.map(|at| frame.local(at).as_vec3());
-        let away = |at: &DVec3| {
-            let [left, right] = nipples.map(|nipple| nipple.distance(at.as_vec3()));
-            left.min(right)
+            torso.points.extend(body.surface.positions.iter().enumerate().filter_map(of));
+            let turn = DMat3::from_diagonal(hand) * own.frame.axes;
+            torso.turns.push(frame.axes.transpose() * turn);
+        }
+        torso.is_skin = true;
+        Some(torso)
+    }
+
+    /// A surface with its fitted frame and its marks.
+    #[must_use]
+    pub fn of_body(surface: &Surface, fitted: &Frame, marks: &Marks) -> Option<Self> {
+        let axes = marks.axes().ok()?;
+        let frame = upright(fitted, axes.head);
+        let nipples = Some(&marks.nipples).filter(|_| surface.colors.is_none());
+        let mut torso = Self::of_surface(surface, frame, axes.front, nipples);
+        let of = |(k, at): (usize, &DVec3)| Point {
+            vertex: k as u32,
+            side: 0,
+            place: fitted.local(*at),
+            share: 1.0,
         };
-        let from_nipple = positions.iter().map(away).collect();
-        let front = frame.axes.transpose() * DVec3::Z;
-        let (least, most) = positions
+        torso.points = surface.positions.iter().enumerate().map(of).collect();
+        torso.turns = vec![frame.axes.transpose() * fitted.axes];
+        let [notch, navel] = [marks.sternal_notch, marks.navel].map(|at| frame.local(at).as_vec3());
+        // The trunk of a whole body.
+        torso.radius_mm = torso.radius_mm.min(SHOWN_OF_TRUNK * notch.distance(navel));
+        torso.middle = notch.lerp(navel, 0.5);
+        Some(torso)
+    }
+
+    /// A surface that does not move, in a frame, with areolas about the nipples.
+    #[must_use]
+    pub fn of_surface(
+        surface: &Surface,
+        frame: Frame,
+        front: DVec3,
+        nipples: Option<&[DVec3; 2]>,
+    ) -> Self {
+        // Seams of a texture have one normal.
+        let welded = surface.weld();
+        let indices: Vec<u32> =
+            surface.triangles.as_flattened().iter().map(|k| welded[*k as usize]).collect();
+        let plain = color::tissue("skin", 0);
+        let color = |k: usize| -> Rgb {
+            let own = surface.colors.as_ref().and_then(|colors| colors.get(k));
+            own.map_or(plain, |own| own.map(|part| f32::from(part) / 255.0))
+        };
+        let of = |(k, at): (usize, &DVec3)| {
+            let away = |nipples: &[DVec3; 2]| {
+                let [left, right] = nipples.map(|nipple| nipple.distance(*at) as f32);
+                left.min(right)
+            };
+            let grid = [nipples.map_or(NO_NIPPLE, away), NO_NET];
+            vertex(frame.local(*at).as_vec3(), Vec3::Z, grid, NO_VALUE, color(k))
+        };
+        let mut rest: Vec<Vertex> = surface.positions.iter().enumerate().map(of).collect();
+        set_normals(&mut rest, indices.as_chunks::<3>().0, 0..surface.positions.len());
+        let (least, most) = indices
             .iter()
-            .fold((DVec3::MAX, DVec3::MIN), |(least, most), at| (least.min(*at), most.max(*at)));
-        Some(Self {
-            indices: Arc::new(body.surface.triangles.as_flattened().to_vec()),
-            color: color::tissue("skin", 0),
-            from_nipple,
-            moved,
-            turns: hands
-                .map(|hand| frame.axes.transpose() * DMat3::from_diagonal(hand) * own.frame.axes),
-            middle: (0.5 * (least + most)).as_vec3(),
-            radius_mm: SHOWN * (most - least).truncate().max_element() as f32,
+            .map(|k| position(&rest[*k as usize]))
+            .fold((Vec3::MAX, Vec3::MIN), |(least, most), at| (least.min(at), most.max(at)));
+        let front = frame.axes.transpose() * front;
+        Self {
+            before: Arc::new(Mesh { vertices: rest, indices: Arc::new(indices) }),
+            points: Vec::new(),
+            is_skin: false,
+            turns: Vec::new(),
+            frame,
+            middle: 0.5 * (least + most),
+            radius_mm: SHOWN * (most - least).truncate().max_element(),
             azimuth: front.x.atan2(front.z) as f32,
-            positions,
-        })
+        }
     }
 
     /// What a camera shows, its middle, and the angle of the front about the axis towards the head \[radians\].
@@ -117,175 +201,182 @@ impl Torso {
         (Ball::from(self.radius_mm), self.middle, self.azimuth)
     }
 
-    /// The torso with the skin of a shape, or with a part of the way to another shape \[-\], in the colours of a field.
+    /// The frame of the picture in the coordinates of the surface.
+    #[must_use]
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// The first point on the body before that a ray meets, in the coordinates of the picture \[mm\].
+    #[must_use]
+    pub fn picked(&self, ray: &Ray) -> Option<Vec3> {
+        let corners = self.before.indices.as_chunks::<3>().0.iter();
+        let corners = corners.map(|t| t.map(|k| position(&self.before.vertices[k as usize])));
+        let distances = corners.filter_map(|corners| pick::ray_triangle(ray, corners));
+        let nearest = distances.map(|(distance, _)| distance).min_by(f32::total_cmp)?;
+        Some(ray.origin + ray.direction * nearest)
+    }
+
+    /// How the body moves with the tissue of a problem.
+    #[must_use]
+    pub fn attached(&self, problem: &Problem) -> Attached {
+        let columns = Columns::new(problem);
+        let border = problem.sheet().radius_mm();
+        let of = |point: &Point| {
+            let Point { vertex, side, place, share } = *point;
+            let over = place.truncate();
+            let weights = match self.is_skin {
+                true => columns.over(over),
+                false => columns.weights(place),
+            }?;
+            let [low, high] = SKIN_SHARE;
+            let on_skin = smooth_step((weights.share() - low) / (high - low));
+            let part = share * on_skin * smooth_step((border - over.length()) / FADE_MM);
+            Some(Moved { vertex, side, weights, share, part: part as f32 })
+        };
+        let moved: Vec<Moved> = self.points.iter().filter_map(of).collect();
+        let mut is_turned = vec![false; self.before.vertices.len()];
+        moved.iter().for_each(|moved| is_turned[moved.vertex as usize] = true);
+        let touches = |triangle: &&[u32; 3], is: &[bool]| triangle.iter().any(|k| is[*k as usize]);
+        let triangles = self.before.indices.as_chunks::<3>().0;
+        let beside: Vec<u32> =
+            triangles.iter().filter(|t| touches(t, &is_turned)).flatten().copied().collect();
+        beside.iter().for_each(|k| is_turned[*k as usize] = true);
+        let around = triangles.iter().filter(|t| touches(t, &is_turned)).copied().collect();
+        let turned =
+            (0..self.before.vertices.len() as u32).filter(|k| is_turned[*k as usize]).collect();
+        Attached { rest: problem.rest.clone(), moved, turned, around }
+    }
+
+    /// The body before.
+    #[must_use]
+    pub fn before(&self) -> &Arc<Mesh> {
+        &self.before
+    }
+
+    /// The body with the skin of a shape, or with a part of the way to another shape \[-\], in the colours of a field, in the place of other
+    /// vertices.
     #[must_use]
     pub fn mesh(
         &self,
+        attached: &Attached,
         fields: &Fields,
         toward: Option<(&Fields, f32)>,
         field: Option<Field>,
+        mut room: Vec<Vertex>,
     ) -> Mesh {
-        let skin = Skin::new(fields, toward, field);
-        let mut positions = self.positions.clone();
-        let value = if field.is_some() { 0.0 } else { NO_VALUE };
-        let mut values = vec![[value, 0.0]; positions.len()];
-        let border = fields.solution().problem().sheet().radius_mm();
-        for (side, moved) in self.moved.iter().enumerate() {
-            for &Moved { vertex, place, share } in moved {
-                let (move_mm, value) = skin.at(place);
-                positions[vertex as usize] += share * (self.turns[side] * move_mm);
-                // Where both patches overlap, that of the nearer pocket counts.
-                let part = (share * smooth_step((border - place.length()) / FADE_MM)) as f32;
-                let own = &mut values[vertex as usize];
-                if let Some(value) = value.filter(|_| part > own[1]) {
-                    *own = [value, part];
-                }
-            }
-        }
-        let normals = self.normals(&positions);
-        let of = |k: usize| -> Vertex {
-            let [value, part] = values[k];
-            let grid = [self.from_nipple[k], NO_NET - part];
-            vertex(positions[k].as_vec3(), normals[k], grid, value, self.color)
+        room.clone_from(&self.before.vertices);
+        let vertices = &mut room;
+        let moves = Moves::new(fields.solution());
+        let moves = match toward {
+            Some((to, part)) => moves.toward(&Moves::new(to.solution()), part.into()),
+            None => moves,
         };
-        Mesh {
-            vertices: (0..positions.len()).map(of).collect(),
-            indices: Arc::clone(&self.indices),
+        if field.is_some() {
+            vertices.iter_mut().for_each(|vertex| vertex[8] = 0.0);
         }
-    }
-
-    /// Area-weighted normals.
-    fn normals(&self, positions: &[DVec3]) -> Vec<Vec3> {
-        let mut sums = vec![DVec3::ZERO; positions.len()];
-        for triangle in self.indices.as_chunks::<3>().0 {
-            let [a, b, c] = triangle.map(|k| positions[k as usize]);
-            let normal = (b - a).cross(c - a);
-            for k in triangle {
-                sums[*k as usize] += normal;
+        for moved in &attached.moved {
+            let by = moved.share * (self.turns[moved.side] * moves.of(&moved.weights));
+            // A vertex of both sides moves with both.
+            let own = &mut vertices[moved.vertex as usize];
+            let at = position(own) + by.as_vec3();
+            own[..3].copy_from_slice(&at.to_array());
+            let Some(field) = field else { continue };
+            let value = |fields: &Fields| moved.weights.value(fields.values(field));
+            let value = match toward {
+                Some((to, part)) => {
+                    value(fields).zip(value(to)).map(|(from, to)| from + part * (to - from))
+                }
+                None => value(fields),
+            };
+            // Where both patches overlap, that of the nearer pocket counts.
+            if let Some(value) = value.filter(|_| moved.part > NO_NET - own[7]) {
+                (own[7], own[8]) = (NO_NET - moved.part, value);
             }
         }
-        sums.into_iter().map(|sum| sum.normalize_or(DVec3::Z).as_vec3()).collect()
+        set_normals(vertices, &attached.around, attached.turned.iter().map(|k| *k as usize));
+        Mesh { vertices: room, indices: Arc::clone(&self.before.indices) }
+    }
+}
+
+impl Attached {
+    /// Is this how a body moves with the tissue of a problem, too?
+    #[must_use]
+    pub fn is_of(&self, problem: &Problem) -> bool {
+        self.rest == problem.rest
+    }
+}
+
+/// Place of a vertex \[mm\].
+fn position(vertex: &Vertex) -> Vec3 {
+    Vec3::new(vertex[0], vertex[1], vertex[2])
+}
+
+/// Sets the area-weighted normals of vertices from the triangles around them.
+fn set_normals(vertices: &mut [Vertex], triangles: &[[u32; 3]], of: impl Iterator<Item = usize>) {
+    let mut sums = vec![Vec3::ZERO; vertices.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|k| position(&vertices[k as usize]));
+        let normal = (b - a).cross(c - a);
+        triangle.iter().for_each(|k| sums[*k as usize] += normal);
+    }
+    for k in of {
+        let normal = sums[k].normalize_or(Vec3::Z);
+        vertices[k][3..6].copy_from_slice(&normal.to_array());
     }
 }
 
 /// The frame turned about its x until its y is the body's axis towards the head: a standing patient is upright.
-fn upright(frame: &Frame) -> Frame {
-    let front = frame.axes.z_axis.with_y(0.0).normalize_or(DVec3::Z);
-    Frame { axes: DMat3::from_cols(DVec3::Y.cross(front), DVec3::Y, front), ..*frame }
-}
-
-/// The skin of a shape over its grid.
-struct Skin<'a> {
-    fields: &'a Fields,
-    toward: Option<(&'a Fields, f32)>,
-    field: Option<Field>,
-    /// Reciprocal spacing \[1/mm\], nodes a side.
-    per_spacing: f64,
-    side: usize,
-}
-
-impl<'a> Skin<'a> {
-    fn new(fields: &'a Fields, toward: Option<(&'a Fields, f32)>, field: Option<Field>) -> Self {
-        let sheet = fields.solution().problem().sheet();
-        let (per_spacing, side) = (1.0 / sheet.spacing_mm(), sheet.nodes_per_side());
-        Self { fields, toward, field, per_spacing, side }
-    }
-
-    /// The nodes of the cell at a place along the wall, and their weights.
-    fn cell(&self, along: DVec2) -> [(usize, f64); 4] {
-        let most = (self.side - 1) as f64;
-        let at = along * self.per_spacing + DVec2::splat(0.5 * most);
-        let at = at.clamp(DVec2::ZERO, DVec2::splat(most));
-        let low = at.floor().min(DVec2::splat(most - 1.0));
-        let (t, k) = (at - low, low.y as usize * self.side + low.x as usize);
-        [
-            (k, (1.0 - t.x) * (1.0 - t.y)),
-            (k + 1, t.x * (1.0 - t.y)),
-            (k + self.side, (1.0 - t.x) * t.y),
-            (k + self.side + 1, t.x * t.y),
-        ]
-    }
-
-    /// Displacement \[mm\] and value at a place over the plane.
-    fn at(&self, place: DVec2) -> (DVec3, Option<f32>) {
-        let problem = self.fields.solution().problem();
-        if place.length() >= problem.sheet().radius_mm() {
-            return (DVec3::ZERO, None);
-        }
-        // The skin at rest over that place is another place along a curved wall.
-        let rest = |k: usize| problem.rest.node(problem.rest.layers() - 1, k);
-        let mut along = place;
-        for _ in 0..STEPS {
-            let above: DVec3 = self.cell(along).into_iter().map(|(k, w)| w * rest(k)).sum();
-            along += place - above.truncate();
-        }
-        let cell = self.cell(along);
-        let moved = |k: usize| {
-            let here = self.top(self.fields, k);
-            let to = self
-                .toward
-                .map_or(here, |(to, part)| here + f64::from(part) * (self.top(to, k) - here));
-            to - rest(k)
-        };
-        let move_mm = cell.into_iter().map(|(k, w)| w * moved(k)).sum();
-        let value = self.field.and_then(|field| {
-            let own = self.fields.values(field);
-            let to = self.toward.map(|(to, part)| (to.values(field), part));
-            let value = |k: usize| {
-                let here = own.get(k).copied()?;
-                let there = to.and_then(|(to, part)| Some(part * (to.get(k)? - here)));
-                Some(f64::from(here + there.unwrap_or(0.0)))
-            };
-            let parts = cell.into_iter().map(|(k, w)| Some(w * value(k)?));
-            parts.sum::<Option<f64>>().map(|value| value as f32)
-        });
-        (move_mm, value)
-    }
-
-    /// The outermost node of a column.
-    fn top(&self, fields: &Fields, node: usize) -> DVec3 {
-        let solution = fields.solution();
-        solution.outer().last().map_or(solution.inner()[node], |layer| layer[node])
-    }
+fn upright(frame: &Frame, head: DVec3) -> Frame {
+    let front = frame.axes.z_axis.reject_from_normalized(head).normalize_or(DVec3::Z);
+    let across = head.cross(front) * frame.handedness();
+    Frame { axes: DMat3::from_cols(across, head, front), ..*frame }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use implant_preview_core::body::deform::deform;
+    use implant_preview_core::body::read::Unit;
     use implant_preview_core::scene::{CheckedScene, Scene};
     use implant_preview_core::simulate::run;
     use implant_preview_core::solve::Options;
+    use std::collections::HashSet;
 
-    fn fields(insertion: f64) -> Fields {
-        let mut scene = Scene { insertion, ..Scene::default() };
+    fn solved(mut scene: Scene, insertion: f64) -> Fields {
+        scene.insertion = insertion;
         scene.solver.nodes_per_side = 33;
         let scene = CheckedScene::new(scene).unwrap();
         Fields::new(run(&scene, Options::default(), None).solution)
     }
 
-    fn positions(mesh: &Mesh) -> Vec<Vec3> {
-        mesh.vertices.iter().map(|v| Vec3::new(v[0], v[1], v[2])).collect()
+    fn fields(insertion: f64) -> Fields {
+        solved(Scene::default(), insertion)
+    }
+
+    fn positions(torso: &Torso, fields: &Fields) -> Vec<Vec3> {
+        let attached = torso.attached(fields.solution().problem());
+        let mesh = torso.mesh(&attached, fields, None, None, Vec::new());
+        mesh.vertices.iter().map(position).collect()
     }
 
     #[test]
     fn without_an_implant_the_torso_stays_and_with_one_both_breasts_rise_alike() {
         let torso = Torso::new().unwrap();
-        let [flat, full] =
-            [0.0, 1.0].map(|insertion| positions(&torso.mesh(&fields(insertion), None, None)));
-        let rest: Vec<Vec3> = torso.positions.iter().map(|at| at.as_vec3()).collect();
+        let [flat, full] = [0.0, 1.0].map(|insertion| positions(&torso, &fields(insertion)));
+        let rest: Vec<Vec3> = torso.before.vertices.iter().map(position).collect();
         let greatest =
             |of: &[Vec3]| of.iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         assert!(greatest(&flat) < 0.05, "{}", greatest(&flat));
         assert!((15.0..70.0).contains(&greatest(&full)), "{}", greatest(&full));
         // Away from the patches every vertex stays to the last bit.
-        let moved: std::collections::HashSet<u32> =
-            torso.moved.iter().flatten().map(|moved| moved.vertex).collect();
+        let moved: HashSet<u32> = torso.points.iter().map(|point| point.vertex).collect();
         for (k, (at, rest)) in full.iter().zip(&rest).enumerate() {
             assert!(moved.contains(&(k as u32)) || at == rest);
         }
         let rise = |side: usize| {
-            let way = |m: &Moved| full[m.vertex as usize].distance(rest[m.vertex as usize]);
-            torso.moved[side].iter().map(way).fold(0.0, f32::max)
+            let way = |p: &Point| full[p.vertex as usize].distance(rest[p.vertex as usize]);
+            torso.points.iter().filter(|p| p.side == side).map(way).fold(0.0, f32::max)
         };
         assert!((rise(0) - rise(1)).abs() < 0.01 * rise(0), "{} {}", rise(0), rise(1));
     }
@@ -294,24 +385,64 @@ mod tests {
     #[test]
     fn the_skin_passes_the_border_of_the_patch_without_a_seam() {
         let torso = Torso::new().unwrap();
-        let normals = |mesh: &Mesh| -> Vec<Vec3> {
-            mesh.vertices.iter().map(|v| Vec3::new(v[3], v[4], v[5])).collect()
+        let full = fields(1.0);
+        let attached = torso.attached(full.solution().problem());
+        let full = torso.mesh(&attached, &full, None, None, Vec::new());
+        let normal = |v: &Vertex| Vec3::new(v[3], v[4], v[5]);
+        let of = |side| torso.points.iter().filter(move |point| point.side == side);
+        let other: HashSet<u32> = of(1).map(|point| point.vertex).collect();
+        let turned = of(0).filter(|p| {
+            p.place.truncate().length() > 118.0 && p.share > 0.99 && !other.contains(&p.vertex)
+        });
+        let turn = |p: &Point| {
+            let [rest, now] =
+                [&torso.before.vertices, &full.vertices].map(|of| normal(&of[p.vertex as usize]));
+            rest.angle_between(now).to_degrees()
         };
-        let rest = torso.normals(&torso.positions);
-        let full = normals(&torso.mesh(&fields(1.0), None, None));
-        let other: std::collections::HashSet<u32> =
-            torso.moved[1].iter().map(|m| m.vertex).collect();
-        let turned = torso.moved[0]
-            .iter()
-            .filter(|m| m.place.length() > 118.0 && m.share > 0.99 && !other.contains(&m.vertex));
-        let turned: Vec<f32> = turned
-            .map(|m| rest[m.vertex as usize].angle_between(full[m.vertex as usize]).to_degrees())
-            .collect();
+        let turned: Vec<f32> = turned.map(turn).collect();
         assert!(turned.len() > 40, "{}", turned.len());
-        assert!(
-            turned.iter().all(|angle| *angle < 2.0),
-            "{:?}",
-            turned.iter().copied().fold(0.0, f32::max)
-        );
+        let greatest = turned.iter().copied().fold(0.0, f32::max);
+        assert!(greatest < 2.0, "{greatest}");
+    }
+
+    /// Her own body: drawn as `deform` makes it, on either side.
+    #[test]
+    fn a_fitted_body_is_drawn_as_it_is_deformed() {
+        let torso::Torso { surface, marks } = torso::builtin();
+        for side in [Side::Left, Side::Right] {
+            let settings = Settings::default();
+            let fitted = fit(&surface, &marks, side, &settings).unwrap();
+            let scene =
+                Scene::of_body(&fitted, (&marks, side), settings.cover_mm, Unit::Mm).unwrap();
+            let full = solved(scene, 1.0);
+            let torso = Torso::of_body(&surface, &fitted.frame, &marks).unwrap();
+            let after = deform(&surface, &fitted.frame, full.solution());
+            let drawn = positions(&torso, &full);
+            let (mut apart, mut risen) = (0.0_f32, 0.0_f32);
+            for (k, (at, before)) in after.positions.iter().zip(&surface.positions).enumerate() {
+                apart = apart.max(drawn[k].distance(torso.frame.local(*at).as_vec3()));
+                risen = risen.max(at.distance(*before) as f32);
+                if at == before {
+                    assert_eq!(drawn[k], position(&torso.before.vertices[k]), "to the last bit");
+                }
+            }
+            assert!(apart < 1e-3 && risen > 15.0, "{apart} {risen}");
+            // The normals are those of all triangles.
+            let attached = torso.attached(full.solution().problem());
+            let mesh = torso.mesh(&attached, &full, None, None, Vec::new());
+            let mut all = mesh.vertices.clone();
+            let count = all.len();
+            set_normals(&mut all, mesh.indices.as_chunks::<3>().0, 0..count);
+            for (own, all) in mesh.vertices.iter().zip(&all) {
+                let [own, all] = [own, all].map(|v| Vec3::new(v[3], v[4], v[5]));
+                assert!(own.distance(all) < 1e-4, "{own} {all}");
+            }
+            let (_, middle, azimuth) = torso.seen();
+            let across = middle + Vec3::new(40.0 * azimuth.cos(), 0.0, 40.0 * azimuth.sin());
+            let front = Vec3::new(azimuth.sin(), 0.0, azimuth.cos());
+            let ray = Ray { origin: across + 900.0 * front, direction: -front };
+            let found = torso.picked(&ray).expect("the body is in front of the eye");
+            assert!(found.distance(ray.origin) < 900.0, "{found}");
+        }
     }
 }

@@ -70,9 +70,12 @@ impl Scene {
         self.chest.as_ref().map_or(Chest::Flat, ChestShape::wall)
     }
 
-    /// Sets the radii of the chest, `None` for a flat one, in place of radii or a grid.
+    /// Sets the radii of the chest, `None` for a flat one, in place of radii, a grid, or the chest and the thickness of a fitted body.
     pub fn set_chest(&mut self, chest: Option<ChestShape>) {
         (self.chest, self.chest_grid) = (chest, None);
+        if self.placement.take().is_some() {
+            self.thickness_field = None;
+        }
     }
 
     /// Is the tissue at rest with the implant one of revolution about the pocket's centre: a centred round implant under

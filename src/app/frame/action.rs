@@ -2,6 +2,7 @@
 
 use super::messages::Notice;
 use crate::app::picture::viewport::PictureSubject;
+use crate::app::scan;
 use crate::app::texts::Language;
 use crate::scene::Scene;
 use crate::session::Command;
@@ -70,6 +71,8 @@ pub(crate) enum Action {
     /// The nearest plan with an answer.
     TakeNearest(Scene),
     Cancel,
+    /// Ends the step of a scan.
+    EndScan(scan::Choice),
     Resume,
     ColourBy(Quantity),
     /// Direction of the cut \[°\].

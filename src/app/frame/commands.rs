@@ -58,6 +58,8 @@ pub(crate) const LIST_KEY: Key = Key::K;
 pub(crate) const PICTURE: &str = "Picture";
 const RANGE: &str = "Range of implants";
 
+const OPEN: &str =
+    "A plan, or a scan of her body (PLY, STL, OBJ, GLB); dropping the file does the same";
 const SHELF: &str = "The clinic's table of sizes (CSV); dropping the file does the same";
 const COMPOSED: &str = "Picture with title, plan, answers, legend, scale and date";
 const REPORT: &str = "One or two pages with pictures, plan, numbers, pins and limits, and the chart of the range once that is computed; prints on \
@@ -72,7 +74,7 @@ const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
 pub(crate) const COMMANDS: [Entry; 46] = [
-    keyed(Task::OpenPlan, "Open plan…", "", Keyed::Everywhere(Key::O)),
+    keyed(Task::OpenPlan, "Open plan or scan…", OPEN, Keyed::Everywhere(Key::O)),
     entry(Task::OpenTable, "Open sizes in stock…", SHELF),
     keyed(Task::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
     entry(Task::SaveNumbers, "Save numbers (JSON)…", ""),

@@ -3,6 +3,7 @@
 
 use crate::app::plan::device::Device;
 use crate::app::texts::{shown, tr};
+use crate::body::read::{self, Format, Read};
 use crate::clinical::Draft;
 use crate::scene::{MAX_SCENE_BYTES, Scene};
 use crate::study::volume_and_width;
@@ -18,6 +19,12 @@ const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
 pub(crate) fn is_table(name: &str) -> bool {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase());
     extension.is_some_and(|extension| TABLES.contains(&&*extension))
+}
+
+/// Is the file of this name a body's surface?
+fn is_surface(name: &str) -> bool {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension);
+    extension.is_some_and(|extension| Format::of_extension(extension).is_some())
 }
 
 /// Extension of reports.
@@ -112,6 +119,8 @@ fn word_of_name(text: &str) -> String {
 pub(crate) enum FileEvent {
     /// The text of a file that was read.
     Opened { name: String, text: String },
+    /// A body's surface.
+    Surface { name: String, read: Box<Read> },
     /// The name of a file that was written.
     Saved(String),
     /// An error message of one line.
@@ -135,9 +144,9 @@ impl Files {
         self.receiver.try_recv().ok()
     }
 
-    /// Opens a dialog for a scene file and reads the file.
+    /// Opens a dialog for a scene file or a body's surface and reads the file.
     pub(crate) fn open(&self, ctx: &Context) {
-        self.pick(ctx, tr("Scene"), &["json"]);
+        self.pick(ctx, tr("Plan or scan"), &["json", "html", "ply", "stl", "obj", "glb"]);
     }
 
     /// Opens a dialog for a table of sizes and reads the file.
@@ -153,7 +162,7 @@ impl Files {
                 Err(event) => return event,
             };
             let name = file.file_name();
-            Some(text_of(name, Ok(file.read().await)))
+            Some(content_of(name, Ok(file.read().await)))
         });
     }
 
@@ -207,7 +216,7 @@ impl Files {
             let bytes = file.bytes_async().await;
             #[cfg(not(target_arch = "wasm32"))]
             let bytes = file.bytes();
-            Some(text_of(name, bytes))
+            Some(content_of(name, bytes))
         });
     }
 
@@ -304,11 +313,17 @@ fn download(name: &str, content: &[u8]) -> Result<(), wasm_bindgen::JsValue> {
     Ok(())
 }
 
-fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
+fn content_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     let bytes = match bytes {
         Ok(bytes) => bytes,
         Err(error) => return FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error)),
     };
+    if is_surface(&name) {
+        return match read::read(&bytes, &name) {
+            Ok(read) => FileEvent::Surface { name, read: Box::new(read) },
+            Err(error) => FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error)),
+        };
+    }
     if bytes.len() > MAX_SCENE_BYTES {
         let megabytes = bytes.len() / 1_000_000;
         return FileEvent::Failed(tr!(
@@ -321,7 +336,7 @@ fn text_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     match text {
         Ok(text) => FileEvent::Opened { text: text.into_owned(), name },
         Err(error) => FileEvent::Failed(tr!(
-            "{name} {error}; allowed: a scene (JSON) or a table of sizes (CSV)",
+            "{name} {error}; allowed: a scene (JSON), a scan (PLY, STL, OBJ, GLB) or a table of sizes (CSV)",
             name,
             error = shown(&error.to_string())
         )),

@@ -3,8 +3,10 @@
 use super::files::{FileEvent, is_table};
 use super::focus::Boundary;
 use super::messages::Notice;
+use super::scan::is_marks;
 use super::shared::{LONG, RunningSolve, Shared};
 use super::status::SliceOf;
+use super::toolbar::Layout;
 use super::{commands, keys, opened, research, toolbar};
 use crate::app::texts::{self, tr};
 use crate::app::widgets::theme;
@@ -92,10 +94,12 @@ impl App {
         let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(room));
         self.focus.boundary(ui, Boundary::First);
         let is_narrow = ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW;
-        if is_narrow {
-            self.narrow(ui, &mut scene);
-        } else {
-            self.wide(ui, &mut scene);
+        let layout = if is_narrow { Layout::Narrow } else { Layout::Wide };
+        if !self.scan_step(ui, &mut scene, layout) {
+            match layout {
+                Layout::Narrow => self.narrow(ui, &mut scene),
+                Layout::Wide => self.wide(ui, &mut scene),
+            }
         }
         let hand = if is_narrow { plan::Hand::Finger } else { plan::Hand::Mouse };
         self.show_report_dialog(&ctx, hand);
@@ -351,10 +355,20 @@ impl App {
                         },
                     }
                 }
+                FileEvent::Opened { name, text } if is_marks(&text) => {
+                    match self.read_marks(&name, &text) {
+                        Some(notice) => notice,
+                        None => continue,
+                    }
+                }
                 FileEvent::Opened { name, text } => {
                     let opened = opened::plan_of(text)
                         .and_then(|plan| self.open(plan).map_err(|error| error.to_string()));
                     self.show_opened(opened, &name, tr!("Opened {name}.", name))
+                }
+                FileEvent::Surface { name, read } => {
+                    self.open_scan(name, *read);
+                    continue;
                 }
                 FileEvent::Saved(name) => {
                     self.notify_saved(&name);
@@ -409,7 +423,10 @@ impl App {
     fn handle_keys(&mut self, ctx: &egui::Context) {
         ctx.input_mut(|input| self.windows.palette.hold_typing(input));
         for command in ctx.input_mut(keys::take_history_keys) {
-            self.execute(command);
+            match command {
+                Command::Undo => self.undo(),
+                command => self.execute(command),
+            }
         }
         self.run_keys(ctx, false);
         self.escape(ctx);

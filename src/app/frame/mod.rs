@@ -2,7 +2,7 @@
 //!
 //! `logic` runs frames, `perform` executes the actions of panels (`action`) and commands (`commands`, `keys`, `palette`), `ui` arranges
 //! the screen with `toolbar`, `status` and `messages`. `shared` is what all panels read, `studies` runs jobs beside the app,
-//! `files`, `link`, `opened`, `clipboard` bring plans in and out. `interface` is the door to `platform` and the tests.
+//! `files`, `link`, `opened`, `clipboard` bring plans in and out, `scan` a body. `interface` is the door to `platform` and the tests.
 
 pub(crate) mod action;
 pub(crate) mod clipboard;
@@ -20,6 +20,7 @@ pub(crate) mod palette;
 pub(crate) mod panel_widths;
 pub(crate) mod perform;
 pub(crate) mod research;
+pub(crate) mod scan;
 pub(crate) mod shared;
 pub(crate) mod stats;
 pub(crate) mod status;

@@ -41,6 +41,7 @@ impl App {
                 self.accept(scene);
             }
             Action::Cancel => self.cancel(),
+            Action::EndScan(choice) => self.end_scan(choice),
             Action::Resume => self.shared.session.resume(),
             Action::ColourBy(quantity) => self.shared.options.quantity = quantity,
             Action::CutAt(degrees) => self.shared.options.section_azimuth_deg = degrees,
@@ -93,7 +94,7 @@ impl App {
             }
             Task::UsualImplant | Task::StartOver => self.open_example(Scene::opening()),
             Task::HalfSphere => self.open_example(Scene::default()),
-            Task::Undo => self.execute(Command::Undo),
+            Task::Undo => self.undo(),
             Task::Redo => self.execute(Command::Redo),
             Task::Pin => self.execute(Command::Pin),
             Task::Look(view) => viewport.look(session, options, view),

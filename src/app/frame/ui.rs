@@ -39,7 +39,7 @@ enum NarrowTab {
 /// What of the arrangement lasts.
 pub(crate) struct Screen {
     narrow_tab: NarrowTab,
-    panel_widths: PanelWidths,
+    pub(super) panel_widths: PanelWidths,
     /// Height of the controls on the picture in the previous frame \[points\].
     view_bar_height: f32,
 }
@@ -136,7 +136,7 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        plan::side(ui, &mut scene.side, Hand::Mouse);
+        plan::side(ui, &mut scene.side, scene.placement.is_some(), Hand::Mouse);
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
         self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
@@ -177,7 +177,7 @@ impl App {
         match self.screen.narrow_tab {
             NarrowTab::Implant => {
                 self.largest_usual(ui);
-                plan::side(ui, &mut scene.side, Hand::Finger);
+                plan::side(ui, &mut scene.side, scene.placement.is_some(), Hand::Finger);
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
                 self.panels.shelf_largest.show(ui, scene, &mut self.actions);
@@ -371,7 +371,7 @@ impl App {
     }
 
     /// Shows the last notice over an area until the user closes it, or until it has faded.
-    fn show_notice(&mut self, ui: &Ui, area: Rect) {
+    pub(super) fn show_notice(&mut self, ui: &Ui, area: Rect) {
         let Some(notice) = &mut self.notice else { return };
         if self.edits.was_paused {
             // The time of a hidden tab is no time to read.
@@ -480,7 +480,7 @@ fn hint(ui: &mut Ui, area: Rect) {
 
 /// A side panel of a given width. A width that follows the content would grow for good with a wide line or figure, and
 /// the picture would pay.
-fn side_panel(ui: &Ui, panel: egui::Panel, width: f32) -> egui::Panel {
+pub(super) fn side_panel(ui: &Ui, panel: egui::Panel, width: f32) -> egui::Panel {
     let frame = egui::Frame::side_top_panel(ui.style());
     let margin =
         egui::Margin { right: frame.inner_margin.right - SCROLL_BAR, ..frame.inner_margin };
@@ -492,7 +492,7 @@ const SCROLL_BAR: i8 = 6;
 
 /// The scrolled content of a side panel, at the panel's full width. A content that shrinks would make
 /// the panel narrower by some points in every frame.
-fn column(name: &str) -> egui::ScrollArea {
+pub(super) fn column(name: &str) -> egui::ScrollArea {
     let beside = egui::Margin { right: SCROLL_BAR, ..egui::Margin::ZERO };
     egui::ScrollArea::vertical().id_salt(name).auto_shrink([false, true]).content_margin(beside)
 }

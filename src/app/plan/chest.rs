@@ -40,6 +40,7 @@ pub(super) fn choice(scene: &Scene) -> Option<&'static str> {
 pub(crate) fn chest_in_words(scene: &Scene) -> String {
     let radius = |field: Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
     match CHEST.map(radius) {
+        [None, _] if scene.placement.is_some() => tr("hers, from the scan").to_owned(),
         [None, _] if scene.chest_grid.is_some() => tr("from a grid of heights").to_owned(),
         [None, _] => tr("flat").to_owned(),
         [Some(across), None] => tr!("radius {across} cm across", across),
@@ -77,7 +78,11 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
         Some(_) => tr("round chest"),
         None => tr("chest by its radii…"),
     };
-    let list = egui::ComboBox::from_id_salt("chest").width(150.0).selected_text(name(present));
+    let list =
+        egui::ComboBox::from_id_salt("chest").width(150.0).selected_text(match scene.placement {
+            Some(_) => tr("hers, from the scan"),
+            None => name(present),
+        });
     let response = list
         .show_ui(ui, |ui| {
             for (word, chest, tooltip) in CHOICES {

@@ -6,12 +6,13 @@ use crate::app::widgets::theme::SPACE;
 use crate::scene::Side;
 use eframe::egui::{RichText, Ui};
 
-/// The choice of the side in a row. No side is chosen at first; the pictures are then those of a left breast.
-pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, hand: Hand) {
+/// The choice of the side in a row; a side that is fixed by the scan of a body stands alone. No side is chosen at first; the pictures are then those of a left breast.
+pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, is_fixed: bool, hand: Hand) {
     chips(ui, |ui| {
         ui.label(RichText::new(tr("Breast")).color(ui.visuals().weak_text_color()));
         ui.add_space(SPACE);
-        for choice in Side::ALL {
+        let now = *side;
+        for choice in Side::ALL.into_iter().filter(|choice| !is_fixed || now == Some(*choice)) {
             let tooltip = tr("The pictures are those of a left breast until right is chosen");
             if chip(ui, hand, *side == Some(choice), tr(choice.word()), tooltip) {
                 *side = Some(choice);

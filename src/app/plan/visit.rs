@@ -198,11 +198,11 @@ fn joined<const N: usize>(parts: [String; N]) -> String {
 pub(crate) fn entries_of_report(
     ui: &mut Ui,
     visit: &mut Visit,
-    side: &mut Option<Side>,
+    (side, is_side_fixed): (&mut Option<Side>, bool),
     hand: Hand,
 ) -> Response {
     let number = number(ui, &mut visit.reference);
-    side::side(ui, side, hand);
+    side::side(ui, side, is_side_fixed, hand);
     remarks(ui, &mut visit.remarks);
     number
 }

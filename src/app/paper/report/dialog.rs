@@ -17,6 +17,8 @@ const KEPT: &str = "Patient number and remarks are in this report and in a saved
 pub(crate) struct ReportDialog {
     visit: Visit,
     side: Option<Side>,
+    /// Is the side that of a scan?
+    is_side_fixed: bool,
     /// Has the first field not had the focus yet?
     is_new: bool,
 }
@@ -32,7 +34,8 @@ impl ReportDialog {
     /// The dialog for a plan, with what the plan states.
     pub(crate) fn new(scene: &Scene) -> Self {
         let visit = scene.visit.clone().unwrap_or_default();
-        Self { visit, side: scene.side, is_new: true }
+        let is_side_fixed = scene.placement.is_some();
+        Self { visit, side: scene.side, is_side_fixed, is_new: true }
     }
 
     /// Shows the dialog over the screen. Returns the choice of the user once there is one.
@@ -41,7 +44,12 @@ impl ReportDialog {
             ui.set_width(WIDTH.min(ctx.content_rect().width() - 6.0 * SPACE));
             ui.heading(tr("Report"));
             ui.add_space(SPACE);
-            let number = plan::entries_of_report(ui, &mut self.visit, &mut self.side, hand);
+            let number = plan::entries_of_report(
+                ui,
+                &mut self.visit,
+                (&mut self.side, self.is_side_fixed),
+                hand,
+            );
             // The click that opens the dialog takes the focus from its first frame.
             self.is_new &= !number.has_focus();
             if self.is_new {

@@ -11,17 +11,19 @@ mod overlay;
 mod panes;
 mod readout;
 mod renderer;
+mod scan;
 mod torso;
 
 pub(crate) use envelope::Outline;
 pub(crate) use marks::labelled_box;
 pub(crate) use options::{Options, Subject as PictureSubject};
 pub(crate) use overlay::{lower_edge, pointer_box, scale_bar};
+pub(crate) use scan::{Dot, Touched};
 
 use crate::app::answer::practice::Practices;
 use crate::app::texts::tr;
 use crate::app::widgets::keep_press;
-use crate::scene::Scene;
+use crate::scene::{Placement, Scene};
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
@@ -120,8 +122,12 @@ pub(crate) struct Viewport {
     handles: Option<ShapeIdx>,
     marks: Marks,
     picture: Picture,
-    /// The torso, once it is drawn.
+    /// The built-in torso, once it is drawn.
     torso: Option<Rc<Torso>>,
+    /// The bodies of scans, with the places of their scenes.
+    bodies: Vec<(Box<Placement>, Rc<Torso>)>,
+    /// The body of a scan that was shown last.
+    scanned: Option<Rc<Torso>>,
     /// The pins' pictures beside the picture.
     panes: Vec<Pane>,
     /// Colour table of all pictures side by side.
@@ -150,7 +156,8 @@ struct Drawn<'a> {
     /// The number of the picture, and the numbers of all pictures in use.
     number: u64,
     numbers: Arc<[u64]>,
-    picture: &'a Picture,
+    meshes: [Arc<Mesh>; 5],
+    nodes_per_side: usize,
     table: &'a Arc<Vec<Rgb>>,
     range: [f32; 2],
     problem: &'a Problem,
@@ -180,6 +187,8 @@ impl Viewport {
             marks: Marks::default(),
             picture: Picture::default(),
             torso: None,
+            bodies: Vec::new(),
+            scanned: None,
             panes: Vec::new(),
             common_table: Arc::default(),
             start: Instant::now(),
@@ -279,9 +288,10 @@ impl Viewport {
     fn show_subject(&mut self, ui: &mut Ui, session: &impl Subject, shown: Shown<'_>) {
         let Shown { options, practices, envelope, outlines, bar, .. } = shown;
         self.panes.clear();
+        self.leave_scan();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
-        let torso = self.torso(options);
+        let torso = self.torso(options, session.scene());
         let ball = wall::ball(session.problem());
         self.place_camera(ball, area.width() / area.height(), torso.as_deref());
         if let Some(standing) = shown.standing {
@@ -296,7 +306,7 @@ impl Viewport {
         let clock = || start.elapsed().as_secs_f64();
         let colouring = colouring(session, options.quantity, practices);
         let up_to_date = self.picture.update(session, colouring, section, &clock);
-        self.picture.update_torso(session, torso.as_deref());
+        self.picture.update_torso(session, torso.as_ref());
         let moved = self.move_camera(ui, &response, area);
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
@@ -310,7 +320,8 @@ impl Viewport {
         let drawn = Drawn {
             number: CURRENT,
             numbers: Arc::new([CURRENT]),
-            picture: &self.picture,
+            meshes: meshes_of(&self.picture),
+            nodes_per_side: self.picture.body.nodes_per_side,
             table: &self.picture.table,
             range: scale.map_or([0.0, 1.0], |s| [s.low, s.high]),
             problem: session.problem(),
@@ -356,8 +367,8 @@ impl Viewport {
     }
 
     fn draw(&self, ui: &Ui, painter: &egui::Painter, area: Rect, drawn: Drawn<'_>) {
-        let Drawn { number, numbers, picture, table, range, problem, section, .. } = drawn;
-        let Drawn { net, areola, pocket_line, .. } = drawn;
+        let Drawn { number, numbers, meshes, nodes_per_side, table, range, problem, .. } = drawn;
+        let Drawn { section, net, areola, pocket_line, .. } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
             let text = tr!(
@@ -380,7 +391,7 @@ impl Viewport {
         let frame = Frame {
             picture: number,
             pictures: numbers,
-            meshes: meshes_of(picture),
+            meshes,
             table: Arc::clone(table),
             range,
             clip_from_world: self.camera.clip_from_world(self.aspect),
@@ -392,7 +403,7 @@ impl Viewport {
             net,
             areola,
             cell_mm: problem.sheet().spacing_mm() as f32,
-            grid_centre: 0.5 * picture.body.nodes_per_side.saturating_sub(1) as f32,
+            grid_centre: 0.5 * nodes_per_side.saturating_sub(1) as f32,
             foot: problem.obstacle.dome.wall_axes().as_vec2().to_array(),
             pocket: pocket as f32,
         };

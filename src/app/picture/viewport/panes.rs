@@ -1,7 +1,9 @@
 //! Pictures of the current scene and of the pins side by side, with one camera, each skin in the colours of its limits.
 
 use super::marks::Marked;
-use super::{CURRENT, Drawn, Shown, Viewport, colouring, of_legend, overlay, section_of};
+use super::{
+    CURRENT, Drawn, Shown, Viewport, colouring, meshes_of, of_legend, overlay, section_of,
+};
 use crate::app::answer::differing;
 use crate::app::plan::device::Device;
 use crate::app::texts::{self, tr};
@@ -16,9 +18,11 @@ use crate::view::picture::Picture;
 use crate::view::quantity::Quantity;
 use crate::view::side_by_side::{Colours, Limited};
 use crate::view::subject::{PinnedShape, Subject};
+use crate::view::torso::Torso;
 use crate::view::wall;
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 use std::borrow::Cow;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Space between two pictures \[points\].
@@ -35,6 +39,7 @@ impl Viewport {
     /// Shows the pins with a shape and the session side by side in the remaining space.
     pub(crate) fn show_side_by_side(&mut self, ui: &mut Ui, shown: Shown<'_>) {
         let Shown { session, options, practices, envelope, bar, is_on_paper, .. } = shown;
+        self.leave_scan();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let is_shown = |pin: &&Pin| !(is_on_paper && pin.scene().is_same_plan(session.scene()));
         let pins: Vec<PinnedShape<'_>> =
@@ -52,7 +57,7 @@ impl Viewport {
         if self.fitted.is_some_and(|fitted| fitted.radius_mm < ball.radius_mm) {
             self.is_placed = false;
         }
-        let torso = self.torso(options);
+        let torso = self.torso(options, session.scene());
         self.place_camera(ball, own_area.width() / own_area.height(), torso.as_deref());
         if let Some(standing) = shown.standing {
             self.camera = match &torso {
@@ -93,10 +98,11 @@ impl Viewport {
         }
         let numbers: Arc<[u64]> =
             self.panes.iter().map(|pane| pane.number).chain([CURRENT]).collect();
-        let drawn = |number, picture, (table, range), problem| Drawn {
+        let drawn = |number, picture: &Picture, (table, range), problem| Drawn {
             number,
             numbers: Arc::clone(&numbers),
-            picture,
+            meshes: meshes_of(picture),
+            nodes_per_side: picture.body.nodes_per_side,
             table,
             range,
             problem,
@@ -212,20 +218,22 @@ impl Viewport {
     ) -> bool {
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
-        let torso = self.torso(options);
-        for (pane, shape) in self.panes.iter_mut().zip(pins) {
+        let bodies: Vec<Option<Rc<Torso>>> =
+            pins.iter().map(|shape| self.torso(options, shape.scene())).collect();
+        for ((pane, shape), body) in self.panes.iter_mut().zip(pins).zip(&bodies) {
             // A quantity of layered tissue has no values in a sheet.
             let is_known = options.quantity.is_of(shape.scene());
             let quantity = if is_known { options.quantity } else { Quantity::Tissue };
             let section = section_of(options, shape.problem());
             let colouring = colouring(shape, quantity, practices);
             pane.picture.update(shape, colouring, section, &clock);
-            pane.picture.update_torso(shape, torso.as_deref());
+            pane.picture.update_torso(shape, body.as_ref());
         }
+        let torso = self.torso(options, session.scene());
         let section = section_of(options, Subject::problem(session));
         let colouring = colouring(session, options.quantity, practices);
         let up_to_date = self.picture.update(session, colouring, section, &clock);
-        self.picture.update_torso(session, torso.as_deref());
+        self.picture.update_torso(session, torso.as_ref());
         up_to_date
     }
 }

@@ -1,10 +1,15 @@
 //! The torso in place of the tissue, and the cameras before it.
 
 use super::{Options, Viewport};
+use crate::body::surface::Surface;
+use crate::scene::{Placement, Scene};
 use crate::session::Session;
 use crate::view::camera::{Camera, Standing, View};
 use crate::view::torso::Torso;
 use std::rc::Rc;
+
+/// Number of bodies that are kept.
+const BODIES: usize = 8;
 
 /// The camera of a standard pose before a torso.
 pub(super) fn standing(torso: &Torso, aspect: f32, standing: Standing) -> Camera {
@@ -13,15 +18,33 @@ pub(super) fn standing(torso: &Torso, aspect: f32, standing: Standing) -> Camera
 }
 
 impl Viewport {
-    /// The torso, if these options draw it: uncut.
-    pub(super) fn torso(&mut self, options: &Options) -> Option<Rc<Torso>> {
+    /// The body, if these options draw it, uncut: that of the scan on which a scene lies, else the built-in torso.
+    pub(super) fn torso(&mut self, options: &Options, scene: &Scene) -> Option<Rc<Torso>> {
         if !options.has_torso() {
             return None;
+        }
+        if let Some(placement) = &scene.placement
+            && let Some((_, body)) = self.bodies.iter().find(|(known, _)| known == placement)
+        {
+            return Some(Rc::clone(body));
         }
         if self.torso.is_none() {
             self.torso = Torso::new().map(Rc::new);
         }
         self.torso.clone()
+    }
+
+    /// Keeps the surface on which scenes of a place lie.
+    pub(crate) fn add_body(&mut self, placement: &Placement, surface: &Surface) {
+        if self.bodies.iter().any(|(known, _)| **known == *placement) {
+            return;
+        }
+        if self.bodies.len() == BODIES {
+            self.bodies.remove(0);
+        }
+        if let Some(body) = Torso::of_body(surface, &placement.frame(), &placement.marks) {
+            self.bodies.push((Box::new(placement.clone()), Rc::new(body)));
+        }
     }
 
     /// Changes the options; with or without a torso from now on, the camera moves to its first view.
@@ -46,7 +69,9 @@ impl Viewport {
             View::All => Standing::ThreeQuarter,
             View::Top => return self.fit(session, view),
         };
-        let Some(torso) = self.torso(options) else { return self.fit(session, view) };
+        let Some(torso) = self.torso(options, session.scene()) else {
+            return self.fit(session, view);
+        };
         self.camera = standing(&torso, self.aspect, pose);
         // A new aspect ratio restores the three-quarter view only.
         self.fitted = (view == View::All).then(|| self.ball_to_fit(session));

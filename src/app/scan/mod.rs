@@ -1,0 +1,199 @@
+//! The step between the scan of a body and its plan: unit, side, cover, the surgeon's marks on the drawn body.
+//!
+//! `points` (the marks and their history) | `panel` (the controls). Uses `picture`, `widgets`, `texts`. Used by `frame`.
+
+mod panel;
+mod points;
+
+use crate::app::picture::viewport::{Dot, Touched};
+use crate::app::texts::{shown, tr};
+use crate::body::fit::{BodyFit, Settings, fit};
+use crate::body::frame::Frame;
+use crate::body::marks::{Marks, Side};
+use crate::body::read::{Read, Unit};
+use crate::body::surface::Surface;
+use crate::clinical::Measurements;
+use crate::scene::{COVER_MM, Scene};
+use crate::view::torso::Torso;
+use glam::{DMat3, DVec3};
+pub(crate) use panel::Choice;
+use points::{COUNT, Points};
+use std::rc::Rc;
+
+/// A scan whose marks are being set.
+pub(crate) struct Scan {
+    /// Name of the file.
+    name: String,
+    read: Read,
+    side: Side,
+    /// Pinch of the plan \[mm\]: twice the cover of the wall.
+    pinch_mm: f64,
+    points: Points,
+    /// The mark that the next click sets, or that was touched last.
+    chosen: usize,
+    drawn: Rc<Torso>,
+    /// The fit of the marks as they are, or why there is none; `None` until it is made.
+    fitted: Option<Result<Box<BodyFit>, String>>,
+}
+
+/// The body of a surface as it is drawn before there are marks: y of the file to the head, z to the front.
+fn drawn(read: &Read) -> Rc<Torso> {
+    let middle = read.surface.bounds().map_or(DVec3::ZERO, |[least, most]| 0.5 * (least + most));
+    let frame = Frame { origin: middle, axes: DMat3::IDENTITY };
+    Rc::new(Torso::of_surface(&read.surface, frame, DVec3::Z, None))
+}
+
+impl Scan {
+    /// The scan of a file for a plan.
+    pub(crate) fn new(name: String, read: Read, plan: &Scene) -> Self {
+        let side = if plan.is_right() { Side::Right } else { Side::Left };
+        let (least, most) = COVER_MM;
+        let pinch_mm = plan.measured().pinch_mm.unwrap_or(2.0 * plan.tissue_mm());
+        let drawn = drawn(&read);
+        Self {
+            name,
+            read,
+            side,
+            pinch_mm: pinch_mm.clamp(2.0 * least, 2.0 * most),
+            points: Points::default(),
+            chosen: 0,
+            drawn,
+            fitted: None,
+        }
+    }
+
+    /// The surface of the scan.
+    pub(crate) fn surface(&self) -> &Surface {
+        &self.read.surface
+    }
+
+    /// The drawn body.
+    pub(crate) fn drawn(&self) -> &Rc<Torso> {
+        &self.drawn
+    }
+
+    /// The marks that are set, as dots of the picture.
+    pub(crate) fn dots(&self) -> Vec<Dot> {
+        let dot = |mark: usize| {
+            let at = self.points.get(mark, self.side)?;
+            let at = self.drawn.frame().local(at).as_vec3();
+            let (name, label) = points::name(mark);
+            Some(Dot { at, name, label, is_chosen: mark == self.chosen })
+        };
+        (0..COUNT).filter_map(dot).collect()
+    }
+
+    /// Takes what the user did in the picture.
+    pub(crate) fn touch(&mut self, touched: Touched) {
+        let place = |at: glam::Vec3| self.drawn.frame().point(at.as_dvec3());
+        let set = |k: usize| (0..COUNT).filter(|m| self.points.get(*m, self.side).is_some()).nth(k);
+        match touched {
+            Touched::Skin(at) => {
+                let at = place(at);
+                if self.points.get(self.chosen, self.side).is_none() {
+                    self.points.set(self.chosen, self.side, at, true);
+                    self.chosen = self.points.missing(self.side).unwrap_or(self.chosen);
+                    self.fitted = None;
+                }
+            }
+            Touched::Chosen(k) => self.chosen = set(k).unwrap_or(self.chosen),
+            Touched::Moved(k, at, is_step) => {
+                let (at, mark) = (place(at), set(k));
+                if let Some(mark) = mark {
+                    self.chosen = mark;
+                    self.points.set(mark, self.side, at, is_step);
+                    self.fitted = None;
+                }
+            }
+        }
+    }
+
+    /// Takes the last step of the marks back.
+    pub(crate) fn undo(&mut self) {
+        self.points.undo();
+        self.chosen = self.points.missing(self.side).unwrap_or(self.chosen);
+        self.fitted = None;
+    }
+
+    /// Takes the marks of a file.
+    ///
+    /// # Errors
+    /// Returns one line that names the wrong mark.
+    pub(crate) fn take_marks(&mut self, text: &str) -> Result<(), String> {
+        let marks = Marks::from_json(text).map_err(|error| error.to_string())?;
+        self.points.set_all(&marks.scaled(self.read.unit.factor()));
+        self.chosen = self.points.missing(self.side).unwrap_or(0);
+        self.fitted = None;
+        Ok(())
+    }
+
+    fn set_unit(&mut self, unit: Unit) {
+        self.points.scale(unit.factor() / self.read.unit.factor());
+        self.read.set_unit(unit);
+        self.drawn = drawn(&self.read);
+        self.fitted = None;
+    }
+
+    /// Fits the body to the marks, once for all marks; nothing while one is missing.
+    fn assess(&mut self, plan: &Scene) -> Option<&Result<Box<BodyFit>, String>> {
+        let marks = self.points.marks(self.side)?;
+        let found = self.fitted.take().unwrap_or_else(|| {
+            let settings = Settings {
+                cover_mm: 0.5 * self.pinch_mm,
+                patch_radius_mm: plan.body.patch_radius_mm,
+                pocket_radius_mm: plan.pocket_radius_mm,
+                base_radius_mm: plan.implant.base_radius_mm,
+                radii_mm: None,
+            };
+            let found = fit(&self.read.surface, &marks, self.side, &settings);
+            found.map(Box::new).map_err(|error| error.to_string())
+        });
+        Some(self.fitted.insert(found))
+    }
+
+    /// The plan with the fitted body, and what to know about it.
+    ///
+    /// # Errors
+    /// Returns one line: a mark is missing or wrong, or the wall carries no tissue.
+    pub(crate) fn plan(&mut self, plan: &Scene) -> Result<(Scene, String), String> {
+        let (side, unit, cover_mm) = (self.side, self.read.unit, 0.5 * self.pinch_mm);
+        let marks = self.points.marks(side).ok_or_else(|| tr("A mark is missing.").to_owned())?;
+        let found = match self.assess(plan) {
+            Some(Ok(found)) => &**found,
+            Some(Err(error)) => return Err(shown(error)),
+            None => return Err(tr("A mark is missing.").to_owned()),
+        };
+        let fitted = Scene::of_body(found, (&marks, side), cover_mm, unit);
+        let fitted = fitted.map_err(|error| shown(&error.to_string()))?;
+        let mut words: Vec<String> = found.quality.warnings().iter().map(|of| shown(of)).collect();
+        let kept = kept(&fitted, plan);
+        if kept.is_err() {
+            words.push(tr("The implant of the plan does not fit here: the usual one.").to_owned());
+        }
+        Ok((kept.unwrap_or(fitted), words.join(" ")))
+    }
+}
+
+/// The scene of a fitted body with the implant, the pocket, the skin and the entries of a plan; an error where the body does not carry them.
+fn kept(fitted: &Scene, plan: &Scene) -> Result<Scene, crate::scene::SceneError> {
+    let mut scene = Scene {
+        side: fitted.side,
+        chest: None,
+        chest_grid: fitted.chest_grid.clone(),
+        thickness_field: fitted.thickness_field.clone(),
+        placement: fitted.placement.clone(),
+        ..plan.clone()
+    };
+    scene.implant.center_mm = [0.0; 2];
+    if scene.layers.len() == fitted.layers.len() {
+        for (own, fitted) in scene.layers.iter_mut().zip(&fitted.layers) {
+            own.thickness_mm = fitted.thickness_mm;
+        }
+    } else {
+        scene.layers.clone_from(&fitted.layers);
+    }
+    let pinch_mm = fitted.measured().pinch_mm;
+    scene.apply_patient(Measurements { pinch_mm, ..plan.measured() })?;
+    scene.validate()?;
+    Ok(scene)
+}

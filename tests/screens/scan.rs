@@ -1,0 +1,166 @@
+//! A scan of a body: opened, marked by clicks, keys or a file, used as one step, cancelled, taken back.
+
+use super::{DESKTOP, PHONE, app, flat_plan, painted_texts, settle};
+use eframe::egui::{self, Key, Modifiers, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use implant_preview::app::App;
+use implant_preview::body::read::{Format, Unit};
+use implant_preview::body::{torso, write};
+use implant_preview::scene::{LengthUnit, Scene, Side};
+use std::sync::Arc;
+
+type Screen = Harness<'static, App>;
+
+/// A file of bytes dropped on the window.
+#[derive(Debug)]
+struct File(&'static str, Vec<u8>);
+
+impl egui::DroppedFile for File {
+    fn path(&self) -> &std::path::Path {
+        std::path::Path::new(self.0)
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Ok(self.1.clone())
+    }
+}
+
+fn scan(unit: Unit) -> File {
+    File("her.ply", write::write(&torso::builtin().surface, unit, Format::Ply))
+}
+
+/// The marks of the scan as a file.
+fn marks(unit: Unit) -> File {
+    let marks = torso::builtin().marks.scaled(1.0 / unit.factor());
+    File("marks.json", serde_json::to_vec(&marks).unwrap())
+}
+
+/// Drops a file and waits until a text is shown.
+fn drop_file(harness: &mut Screen, file: File, until: &str) {
+    harness.input_mut().dropped_files.push(Arc::new(file));
+    for _ in 0..400 {
+        harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        if harness.query_all_by_label_contains(until).next().is_some() {
+            harness.run();
+            return;
+        }
+    }
+    panic!("{until}: {:#?}", painted_texts(harness));
+}
+
+fn screen(size: egui::Vec2) -> Screen {
+    app(size, |scene| *scene = flat_plan())
+}
+
+fn button<'a>(harness: &'a Screen, name: &'a str) -> egui_kittest::Node<'a> {
+    harness.get_by_role_and_label(Role::Button, name)
+}
+
+fn scene(harness: &Screen) -> Scene {
+    harness.state().session().scene().clone()
+}
+
+#[test]
+fn a_scan_with_its_marks_becomes_the_body_of_the_plan_in_one_step() {
+    for size in [DESKTOP, PHONE] {
+        let mut harness = screen(size);
+        let before = scene(&harness);
+        // Both at once: the marks are read first.
+        drop_file(&mut harness, marks(Unit::M), "open its scan");
+        drop_file(&mut harness, scan(Unit::M), "Scan her.ply");
+        assert!(button(&harness, "m").accesskit_node().toggled().is_some());
+        harness.get_by_label_contains("Notch to nipple is 21.0 cm");
+        let words = harness.get_by_label_contains("Drag a dot");
+        assert!(words.rect().right() <= size.x);
+        assert_eq!(scene(&harness), before, "nothing changes before the marks are used");
+        button(&harness, "Use these marks").click();
+        harness.run();
+        settle(&mut harness);
+        let after = scene(&harness);
+        let placement = after.placement.clone().expect("the plan has a place on the body");
+        assert_eq!((placement.unit, after.side), (LengthUnit::M, Some(Side::Left)));
+        assert_eq!(placement.cover_mm, 10.0);
+        assert!(after.chest_grid.is_some() && after.thickness_field.is_some());
+        // The implant and the measurements of the plan stay.
+        assert_eq!(after.implant, before.implant);
+        assert_eq!(after.measured(), before.measured());
+        assert!(harness.state().session().result().is_some(), "the plan is solved");
+        harness.get_by_label_contains("The plan has her body.");
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut harness);
+        assert_eq!(scene(&harness), before, "one step of the history");
+    }
+}
+
+#[test]
+fn marks_are_clicked_moved_by_keys_and_taken_back() {
+    let mut harness = screen(DESKTOP);
+    drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
+    let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+    // In the midline above the breasts, then below them.
+    for (name, part) in [("Sternal notch", 0.2), ("Navel", 0.75)] {
+        harness.get_by_label_contains(&format!("Click on her body: {name}"));
+        let at = egui::pos2(picture.center().x, picture.top() + part * picture.height());
+        harness.drag_at(at);
+        harness.run();
+        harness.drop_at(at);
+        harness.run();
+    }
+    harness.get_by_label_contains("Click on her body: Left nipple");
+    let place = |harness: &Screen, name: &str| button(harness, name).rect().center();
+    let notch = place(&harness, "Sternal notch");
+    button(&harness, "Sternal notch").focus();
+    harness.run();
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::ArrowDown);
+    harness.run();
+    let moved = place(&harness, "Sternal notch");
+    assert!(moved.y > notch.y + 5.0 && (moved.x - notch.x).abs() < 1.0, "{notch} {moved}");
+    for _ in 0..10 {
+        harness.key_press(Key::ArrowUp);
+        harness.run();
+    }
+    let back = place(&harness, "Sternal notch");
+    assert!(back.distance(notch) < 0.1 * moved.distance(notch), "{notch} {moved} {back}");
+    for _ in 0..11 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run();
+    }
+    assert_eq!(place(&harness, "Sternal notch"), notch);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run();
+    assert!(harness.query_by_role_and_label(Role::Button, "Navel").is_none());
+    harness.get_by_label_contains("Click on her body: Navel");
+    button(&harness, "Cancel").click();
+    harness.run();
+    assert!(harness.query_by_label_contains("her.ply").is_none());
+    assert_eq!(scene(&harness), flat_plan());
+}
+
+#[test]
+fn a_bad_file_has_one_line_and_wrong_marks_stay() {
+    let mut harness = screen(DESKTOP);
+    drop_file(
+        &mut harness,
+        File("bad.ply", b"ply\nformat ascii 1.0\n".to_vec()),
+        "bad.ply cannot be read",
+    );
+    drop_file(&mut harness, marks(Unit::Mm), "open its scan");
+    drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
+    drop_file(
+        &mut harness,
+        File("marks.json", b"{\"sternal_notch\": [0, 1]}".to_vec()),
+        "marks.json cannot be read",
+    );
+    drop_file(&mut harness, marks(Unit::Mm), "Notch to nipple is 21.0 cm");
+    // Another unit: the distance says so, and there is no plan.
+    button(&harness, "cm").click();
+    harness.run();
+    harness.get_by_label_contains("Notch to nipple is 210.3 cm");
+    harness.get_by_label_contains("check unit and marks");
+    assert!(button(&harness, "Use these marks").accesskit_node().is_disabled());
+    button(&harness, "mm").click();
+    harness.run();
+    assert!(!button(&harness, "Use these marks").accesskit_node().is_disabled());
+}
