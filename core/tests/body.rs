@@ -9,10 +9,12 @@ use glam::DVec3;
 use implant_preview_core::body::deform::{deform, gained_ml};
 use implant_preview_core::body::fit::{BodyFit, Settings, fit};
 use implant_preview_core::body::marks::Side;
+use implant_preview_core::body::pick::snap;
 use implant_preview_core::body::read::Unit;
+use implant_preview_core::body::reduce::reduced;
 use implant_preview_core::body::surface::Surface;
 use implant_preview_core::mesh::CELL_TRIANGLES;
-use implant_preview_core::scene::{self, CheckedScene, Scene};
+use implant_preview_core::scene::{self, CheckedScene, KeptSurface, Scene};
 use implant_preview_core::simulate::{self, Simulation};
 use implant_preview_core::solve::Options;
 
@@ -160,4 +162,109 @@ fn a_scene_of_a_body_is_one_for_all_edits_and_its_place_stays_in_the_file() {
     let line = tilted.validate().unwrap_err().to_string();
     assert!(line.starts_with("body.axes is off by "), "{line}");
     assert_eq!(scene::COVER_MM, (6.0, 30.0));
+}
+
+/// The scene of a body with its surface, and the text of the surface in its file.
+fn kept() -> (Surface, Scene, String) {
+    let (_, _, mut scene) = subject(Side::Left);
+    let surface = torso::torso(PROJECTION, 228, 228);
+    scene.keep_surface(&surface).unwrap();
+    let json = serde_json::to_string(&scene).unwrap();
+    (surface, scene, json)
+}
+
+#[test]
+fn a_file_keeps_a_reduced_surface_that_nothing_else_takes() {
+    let (surface, scene, json) = kept();
+    let found = scene.placement.as_ref().unwrap().surface.clone().unwrap();
+    let text = serde_json::to_string(&found).unwrap();
+    println!("{} bytes, {} vertices", text.len(), found.surface().positions.len());
+    assert!(text.len() <= 300_000);
+    // Reading and writing again changes no bit.
+    let again = Scene::from_json(&json).unwrap();
+    assert!(again == scene && serde_json::to_string(&again).unwrap() == json);
+    // Within 0.05 mm of the reduced surface, which is within 1 mm root mean square of the body.
+    let exact = reduced(&surface, 12_000, 24_000);
+    let pairs = found.surface().positions.iter().zip(&exact.positions);
+    let apart = pairs.map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f64::max);
+    assert!(apart <= 0.05 && found.surface().triangles == exact.triangles, "{apart}");
+    let off = surface.positions.iter().step_by(97);
+    let off = off.map(|p| snap(found.surface(), *p).unwrap().point.distance_squared(*p));
+    let off: Vec<f64> = off.collect();
+    let rms = (off.iter().sum::<f64>() / off.len() as f64).sqrt();
+    println!("{rms:.3} mm root mean square, quantised by {apart:.4} mm");
+    assert!(rms < 1.0, "{rms}");
+    // A copy has the same surface, a link and a store have none, and no equilibrium depends on it.
+    let copy = scene.clone().placement.unwrap().surface.unwrap();
+    assert!(std::ptr::eq(copy.surface().as_ref(), found.surface().as_ref()));
+    assert!(!serde_json::to_string(&scene.without_visit()).unwrap().contains("triangles"));
+    assert!(scene.same_physics(&scene.without_visit()));
+    // A small surface keeps its vertices.
+    let small = torso::torso(PROJECTION, 60, 40);
+    let own = KeptSurface::of(&small).unwrap();
+    assert_eq!(own.surface().triangles, small.triangles);
+    assert_eq!(KeptSurface::of(&Surface::default()), None);
+}
+
+#[test]
+fn a_damaged_kept_surface_is_one_line() {
+    let (_, scene, _) = kept();
+    let value = serde_json::to_value(&scene).unwrap();
+    let line = |member: &str, with: serde_json::Value| {
+        let mut value = value.clone();
+        value["body"]["surface"][member] = with;
+        let line = Scene::from_json(&value.to_string()).unwrap_err().to_string();
+        assert!(!line.contains('\n') && line.len() < 300, "{line}");
+        line
+    };
+    for (member, with, expected) in [
+        ("step_mm", serde_json::json!(2), "step_mm is 2; allowed: 0.000001 to 1 mm"),
+        ("step_mm", serde_json::json!(0), "step_mm is 0; allowed"),
+        (
+            "least_mm",
+            serde_json::json!([0, 2e7, 0]),
+            "least_mm has 2e7; allowed: up to 10000000 mm",
+        ),
+        (
+            "vertices",
+            "AAA".into(),
+            "vertices: Invalid padding; allowed: base64 of 6 bytes each, 3 to 12000",
+        ),
+        ("vertices", "A!AA".into(), "vertices: Invalid symbol 33, offset 1"),
+        ("vertices", "AAAA".into(), "vertices has 3 bytes"),
+        ("vertices", "AAAAAAAA".into(), "vertices has 6 bytes"),
+        (
+            "triangles",
+            "".into(),
+            "triangles has 0 bytes; allowed: base64 of 6 bytes each, 1 to 24000",
+        ),
+        ("triangles", "AAAAAAD/".into(), "triangles: triangle 0 has vertex 65280; allowed: 0 to "),
+        ("triangles", "A".repeat(200_000).into(), "triangles has 200000 characters"),
+        ("colors", 1.into(), "unknown field `colors`"),
+    ] {
+        let found = line(member, with);
+        assert!(found.starts_with("body.surface") && found.contains(expected), "{found}");
+    }
+    assert!(line("triangles", serde_json::Value::Null).starts_with("body.surface"));
+    // Random bytes in place of the text end in a surface within its numbers or in one line.
+    let mut random = fastrand::Rng::with_seed(9);
+    let text = value["body"]["surface"]["triangles"].as_str().unwrap();
+    for _ in 0..20 {
+        let mut bytes = text.as_bytes().to_vec();
+        for _ in 0..random.usize(1..4) {
+            let at = random.usize(0..bytes.len());
+            bytes[at] = random.u8(32..127);
+        }
+        bytes.truncate(random.usize(bytes.len() / 2..=bytes.len()));
+        let mut value = value.clone();
+        value["body"]["surface"]["triangles"] = String::from_utf8(bytes).unwrap().into();
+        match Scene::from_json(&value.to_string()) {
+            Ok(scene) => {
+                let found = scene.placement.unwrap().surface.unwrap();
+                let count = found.surface().positions.len();
+                assert!(found.surface().triangles.iter().flatten().all(|k| (*k as usize) < count));
+            }
+            Err(error) => assert!(!error.to_string().contains('\n')),
+        }
+    }
 }

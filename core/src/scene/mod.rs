@@ -6,7 +6,7 @@
 //!
 //! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid) | `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
+//! `repair` (scenes that an edit made invalid) | `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -21,6 +21,7 @@ mod file;
 mod gaps;
 mod grid;
 mod implant;
+mod kept_surface;
 mod layer;
 mod patient;
 pub mod pins;
@@ -46,6 +47,7 @@ use field::Part;
 pub use file::Scene;
 use file::SceneFile;
 pub use implant::Implant;
+pub use kept_surface::KeptSurface;
 pub use layer::{Layer, tissue_in_words};
 pub use patient::Patient;
 pub use pins::{Document, Letter, PinnedScene};

@@ -1,12 +1,14 @@
 //! Where a scene lies on a body: unit, frame and marks; and the scene of a fitted body.
 
+use super::kept_surface::{KeptSurface, SurfaceFile};
 use super::{ChestGrid, HeightsGrid, Scene, SceneError, Side, ThicknessGrid, out_of_range};
 use crate::body::fit::BodyFit;
 use crate::body::frame::Frame;
 use crate::body::marks::{self, Marks};
 use crate::body::read::Unit;
+use crate::body::surface::Surface;
 use crate::clinical::Measurements;
-use crate::curve::{number, present};
+use crate::curve::{given, number, present};
 use glam::{DMat3, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,6 +35,10 @@ pub struct Placement {
     #[serde(deserialize_with = "present")]
     #[schemars(with = "BTreeMap<String, [f64; 3]>")]
     pub marks: Marks,
+    /// The body's surface, reduced; default: none.
+    #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<SurfaceFile>")]
+    pub surface: Option<KeptSurface>,
 }
 
 /// A unit of length.
@@ -163,8 +169,27 @@ impl Scene {
             origin_mm: origin.to_array(),
             axes: axes.to_cols_array_2d(),
             marks: *marks,
+            surface: None,
         }));
         scene.validate()?;
         Ok(scene)
+    }
+
+    /// Keeps the surface of the scene's body in its file; a scene without a place on a body stays as it is.
+    ///
+    /// # Errors
+    /// A surface without triangles, or beyond 65 m.
+    pub fn keep_surface(&mut self, surface: &Surface) -> Result<(), SceneError> {
+        let Some(placement) = &mut self.placement else { return Ok(()) };
+        let kept = KeptSurface::of(surface);
+        let wrong = || {
+            out_of_range(
+                "body.surface",
+                "empty or too large".to_owned(),
+                "1 triangle or more within 65 m",
+            )
+        };
+        placement.surface = Some(kept.ok_or_else(wrong)?);
+        Ok(())
     }
 }
