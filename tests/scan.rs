@@ -10,6 +10,7 @@ use implant_preview::body::read::{Unit, read};
 use implant_preview::body::torso::{Torso, builtin};
 use implant_preview::body::write::write;
 use implant_preview::export::Format;
+use implant_preview::scene::Scene;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -42,16 +43,22 @@ fn a_body_becomes_a_scene_and_the_body_over_its_implant() {
         ["no_skin_percent", "data_percent", "radius_across_mm", "radius_along_mm", "footprint_ml"];
     assert!(names.iter().all(|name| figures[name].is_f64()), "{figures}");
     assert_eq!(figures["thickness_mm"].as_array().unwrap().len(), 3);
+    let left = &figures["measures"]["left"];
+    let volume = left["volume_ml"].as_f64().unwrap();
+    assert!((290.0..360.0).contains(&volume), "{figures}");
+    assert!(left["nipple_fold_mm"].is_f64() && figures["measures"]["asymmetry_mm"] == 0.0);
     let warnings = figures["warnings"].to_string();
     assert!(warnings.contains("read as m: notch to nipple is 21.0 cm"), "{warnings}");
     assert_eq!((&scene["side"], &scene["body"]["unit"]), (&"left".into(), &"m".into()));
     scene["solver"] = serde_json::json!({ "nodes_per_side": 33, "tolerance": 1e-3 });
+    let mut measured = Vec::new();
     let moved = |insertion: f64| {
         scene["insertion"] = insertion.into();
         fs::write(folder.join("coarse.json"), scene.to_string()).unwrap();
         let arguments = ["simulate", "coarse.json", "--body", "torso.ply", "--after", "after.ply"];
         let output = run(&folder, &arguments, "");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        measured.push(lines(&output.stderr)[0]["body_measures"].clone());
         let surface =
             |name: &str| read(&fs::read(folder.join(name)).unwrap(), name).unwrap().surface;
         let (before, after) = (surface("torso.ply"), surface("after.ply"));
@@ -64,6 +71,35 @@ fn a_body_becomes_a_scene_and_the_body_over_its_implant() {
     let full = moved(1.0);
     let most = full.iter().copied().fold(0.0, f64::max);
     assert!((15.0..30.0).contains(&most) && full.iter().filter(|by| **by == 0.0).count() > 2000);
+    // At rest nothing changes; over the implant the breast gains its volume and the void, all of it in the patch.
+    assert_eq!(measured[0]["before"], measured[0]["after"]);
+    let number = |path: &str| measured[1].pointer(path).and_then(Value::as_f64).unwrap();
+    let (gained, implant) = (number("/gained_ml"), number("/implant_ml"));
+    assert!((number("/void_ml") - (gained - implant)).abs() < 0.02);
+    assert!(gained > implant && gained < 1.5 * implant, "{gained} {implant}");
+    let less = |name: &str| {
+        number(&format!("/after/left/{name}")) - number(&format!("/before/left/{name}"))
+    };
+    assert!((less("volume_ml") / gained - 1.0).abs() < 0.05, "{} {gained}", less("volume_ml"));
+    assert!(less("projection_mm") > 10.0 && number("/nipple_shift_mm/2") > 10.0);
+    assert!(number("/after/asymmetry_mm") > 5.0);
+}
+
+#[test]
+fn a_scene_keeps_its_surface_if_asked() {
+    let folder = folder();
+    body(&folder, Unit::Mm);
+    assert_eq!(scanned(&folder, &[]).0["body"].get("surface"), None);
+    let (scene, _) = scanned(&folder, &["--keep-surface"]);
+    let surface = &scene["body"]["surface"];
+    assert_eq!(surface["vertices"].as_str().unwrap().len(), 5722 * 8);
+    assert!(surface["triangles"].as_str().unwrap().len() < 90_000);
+    let text = scene.to_string();
+    let kept = Scene::from_json(&text).unwrap().placement.unwrap().surface.unwrap();
+    let own = builtin().surface;
+    let apart = kept.surface().positions.iter().zip(&own.positions);
+    let most = apart.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!(most < 0.02, "{most}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A body's surface: read from a file, marked, fitted by a chest wall and a thickness of tissue, deformed by a solution,
 //! measured.
 //!
-//! Module order: `surface` → `read` → `write`, `pick`, `reduce` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso` | `deform`, `measures`, `propose`.
+//! Module order: `surface` → `read` → `write`, `pick`, `reduce` | `marks` → `frame`, `grid` → `raster`, `chest` → `field`, `wall`, `quality` → `fit` → `torso` | `deform`, `measures`, `mound`, `propose`.
 //! Lengths in mm, f64.
 
 pub mod chest;
@@ -13,6 +13,7 @@ pub mod grid;
 mod half;
 pub mod marks;
 pub mod measures;
+pub mod mound;
 pub mod pick;
 pub mod propose;
 pub mod quality;

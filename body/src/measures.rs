@@ -41,6 +41,22 @@ pub struct Measures {
     pub nipple_height_mm: f64,
 }
 
+impl Measures {
+    /// The left breast less the right one; a length along the skin where both have one. `None` without both.
+    #[must_use]
+    pub fn left_less_right(&self) -> Option<BreastMeasures> {
+        let [Some(left), Some(right)] = self.breasts else { return None };
+        let less = |of: fn(&BreastMeasures) -> Option<f64>| Some(of(&left)? - of(&right)?);
+        Some(BreastMeasures {
+            notch_nipple_mm: left.notch_nipple_mm - right.notch_nipple_mm,
+            notch_nipple_skin_mm: less(|breast| breast.notch_nipple_skin_mm),
+            nipple_fold_mm: less(|breast| breast.nipple_fold_mm),
+            nipple_midline_mm: left.nipple_midline_mm - right.nipple_midline_mm,
+            base_width_mm: left.base_width_mm - right.base_width_mm,
+        })
+    }
+}
+
 /// Measures a body; `None` for marks without a direction.
 #[must_use]
 pub fn measures(surface: &Surface, marks: &Marks) -> Option<Measures> {

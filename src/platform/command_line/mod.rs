@@ -14,6 +14,7 @@ mod charts;
 mod curve;
 mod file;
 mod input;
+mod measures;
 mod output;
 mod parquet;
 mod rows;

@@ -1,9 +1,11 @@
 //! `scan`: the scene of a body's surface and a surgeon's marks.
 
+use super::measures::BodyMeasures;
 use super::output::{self, File};
 use super::{ExitStatus, InputError, file, in_range};
 use crate::body::fit::{self, Settings};
 use crate::body::marks::{Marks, Side};
+use crate::body::mound::mound;
 use crate::body::quality::Quality;
 use crate::body::read::{self, Read, Unit};
 use crate::scene::{COVER_MM, Scene};
@@ -66,11 +68,12 @@ struct Figures {
     radius_along_mm: Option<f64>,
     footprint_ml: f64,
     thickness_mm: [f64; 3],
+    measures: Option<BodyMeasures>,
     warnings: Vec<String>,
 }
 
 impl Figures {
-    fn of(quality: &Quality, notes: Vec<String>) -> Self {
+    fn of(quality: &Quality, measures: Option<BodyMeasures>, notes: Vec<String>) -> Self {
         let rounded = |value: f64| (100.0 * value).round() / 100.0;
         // A flat chest has no radius.
         let radius = |value: f64| (value.abs() < 1e6).then(|| rounded(value));
@@ -81,6 +84,7 @@ impl Figures {
             radius_along_mm: radius(quality.radius_along_mm),
             footprint_ml: rounded(quality.footprint_ml),
             thickness_mm: quality.thickness_mm.map(rounded),
+            measures,
             warnings: quality.warnings().into_iter().chain(notes).collect(),
         }
     }
@@ -151,7 +155,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         ));
     }
     let error = |error: serde_json::Error| InputError(error.to_string());
-    let figures = serde_json::to_string(&Figures::of(&fitted.quality, notes)).map_err(error)?;
+    let measures = BodyMeasures::of(&surface, &marks, (side, mound(&fitted, &marks, side)));
+    let figures = Figures::of(&fitted.quality, measures, notes);
+    let figures = serde_json::to_string(&figures).map_err(error)?;
     let json = serde_json::to_string(&scene).map_err(error)?;
     output::write_all(&[File::new(out, json + "\n")])?;
     output::line(&figures);

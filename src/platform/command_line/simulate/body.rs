@@ -1,11 +1,14 @@
 //! The surface of a body over the implant of a scene that was made of it.
 
+use super::super::measures::{BodyMeasures, rounded};
 use super::super::output::{self, File};
 use super::super::{InputError, scan};
 use super::Arguments;
-use crate::body::deform::deform;
+use crate::body::deform::{deform, deform_marks, gained_ml};
+use crate::body::fit::{Settings, fit};
 use crate::body::frame::Frame;
-use crate::body::marks::Side;
+use crate::body::marks::{Marks, Side};
+use crate::body::mound::change;
 use crate::body::read::Unit;
 use crate::body::surface::Surface;
 use crate::body::write::write;
@@ -20,6 +23,9 @@ const OFF_MM: f64 = 25.0;
 /// The surface before the implant.
 pub(super) struct Body<'a> {
     surface: Surface,
+    marks: Marks,
+    side: Side,
+    cover_mm: f64,
     frame: Frame,
     unit: Unit,
     format: Format,
@@ -52,7 +58,9 @@ impl<'a> Body<'a> {
             );
             return Err(output::input_error(path, line));
         }
-        Ok(Some(Self { surface, frame: placement.frame(), unit, format, after }))
+        let (marks, cover_mm) = (placement.marks, placement.cover_mm);
+        let frame = placement.frame();
+        Ok(Some(Self { surface, marks, side, cover_mm, frame, unit, format, after }))
     }
 
     /// The path of the surface over the implant.
@@ -60,9 +68,26 @@ impl<'a> Body<'a> {
         self.after
     }
 
-    /// The file of the surface over the implant.
-    pub(super) fn after(&self, solution: &Solution) -> File {
+    /// The file of the surface over the implant, and the line of its measures before and after.
+    pub(super) fn after(&self, solution: &Solution, implant_ml: f64) -> (File, String) {
         let deformed = deform(&self.surface, &self.frame, solution);
-        File::new(self.after, write(&deformed, self.unit, self.format))
+        let marks = deform_marks(&self.marks, &self.frame, solution);
+        let settings = Settings { cover_mm: self.cover_mm, ..Settings::default() };
+        let bodies = [(&self.surface, &self.marks), (&deformed, &marks)];
+        let fitted = fit(&self.surface, &self.marks, self.side, &settings);
+        let change = fitted.ok().and_then(|fitted| change(&fitted, bodies, self.side));
+        let mounds = change.map_or([None; 2], |c| [c.before, c.after].map(Some));
+        let of = |k: usize| BodyMeasures::of(bodies[k].0, bodies[k].1, (self.side, mounds[k]));
+        let gained_ml = rounded(gained_ml(&self.surface, &deformed));
+        let line = serde_json::json!({ "body_measures": {
+            "before": of(0),
+            "after": of(1),
+            "nipple_shift_mm": change.map(|change| change.nipple_mm.to_array().map(rounded)),
+            "gained_ml": gained_ml,
+            "implant_ml": rounded(implant_ml),
+            "void_ml": rounded(gained_ml - implant_ml),
+        } });
+        let file = File::new(self.after, write(&deformed, self.unit, self.format));
+        (file, line.to_string())
     }
 }

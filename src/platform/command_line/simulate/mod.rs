@@ -314,7 +314,11 @@ fn solve(
         (None, _) => {}
     }
     match body {
-        Some(body) if has_shape => files.push(body.after(&solution)),
+        Some(body) if has_shape => {
+            let (file, measures) = body.after(&solution, outcome.implant_volume_ml);
+            files.push(file);
+            output::line(&measures);
+        }
         Some(body) => not_written(body.after_path()),
         None => {}
     }
