@@ -3,15 +3,17 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use implant_preview::scene::Scene;
-use implant_preview::solve::Solver;
+use implant_preview::solve::{Progress, Solver, Verdict};
 use implant_preview_lab::robustness::{
     Ending, LayeredSummary, Population, Summary, check, examine, run, run_of, scene_of,
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+const CONTACT_OF_ONE_NODE: &str = include_str!("stress/contact-of-one-node.json");
+
 /// Scenes that once failed, converged to a wrong position or converged prematurely, with their outcome.
-const ONCE_FAILED: [(&str, &str, Ending); 36] = [
+const ONCE_FAILED: [(&str, &str, Ending); 37] = [
     (
         "a grid whose rows end inside a group of lanes",
         include_str!("stress/partial-lanes-on-41-node-grid.json"),
@@ -48,6 +50,7 @@ const ONCE_FAILED: [(&str, &str, Ending); 36] = [
         include_str!("stress/lost-contact-on-narrow-dome.json"),
         Ending::Converged,
     ),
+    ("a contact of one node", CONTACT_OF_ONE_NODE, Ending::Converged),
     ("slow final steps", include_str!("stress/slow-final-steps.json"), Ending::Converged),
     (
         "rounding errors of the energy on a shallow dome under a stiff toe region",
@@ -209,6 +212,17 @@ fn scenes_that_once_failed_have_their_expected_outcome() {
     for ((name, _, ending), case) in ONCE_FAILED.into_iter().zip(cases) {
         assert_eq!(case.ending, ending, "{name}: {:?}", case.findings);
     }
+}
+
+/// On coarser grids the contact is none, and their corrections lift the sheet off it.
+#[test]
+fn a_contact_of_one_node_needs_few_cycles() {
+    let scene = Scene::from_json(CONTACT_OF_ONE_NODE).unwrap();
+    let mut solver = Solver::new(scene.problem().unwrap());
+    assert_eq!(solver.advance(&mut || false), Progress::Done);
+    assert!(solver.verdict() == Verdict::Converged && !solver.fell_back());
+    let work = solver.report().work_units;
+    assert!(work < 250.0, "{work}");
 }
 
 #[test]

@@ -1,14 +1,16 @@
 //! The coupled law in closed form, from the invariants of a triangle: no principal directions.
 //!
-//! With g the metric of a triangle's two edges and G that of the same edges at rest, I₁ = G⁻¹ : g,
-//! s = √(det g / det G) and t = tr U = √(I₁ + 2s) are all that is needed: E:E = I₁ − 2t + 2 and tr E = t − 2 give
-//! ē. The second Piola–Kirchhoff tension is P·G⁻¹ + Q·adj(g)/det G with
+//! With g the metric of a triangle's two edges, G that of the same edges at rest and γ = g − G, all that is needed are
+//! τ = tr U − 2, σ = √(det g / det G) − 1 and D = (λ₁² − λ₂²)², with s = 1 + σ, t = 2 + τ: tr E = τ and
+//! E:E = (τ² + D/t²)/2 give ē. The second Piola–Kirchhoff tension is P·G⁻¹ + Q·adj(g)/det G = A·G⁻¹ + Q·adj(γ)/det G with
 //!
-//! P = α + β/t, Q = β/(t s), α = Σ sec/(1+ν), β = Σ sec·(ν(t−1) − 1)/(1−ν²), sec = h·Ef(ē)/ē.
+//! P = α + β/t, Q = β/(t s), α = Σ sec/(1+ν), β = Σ sec·(ν(t−1) − 1)/(1−ν²), sec = h·Ef(ē)/ē,
+//! A = P + Q = Σ sec·((1−ν)(τ + σ + τσ) + ντ(2 + σ))/((1−ν²) t s).
 //!
-//! The membrane wrinkles instead of being compressed: S₂ = P + Q λ₁² < 0 is replaced by
-//! uniaxial tension, S₂ = 0 and S₁ = Ef(λ₁ − 1)/λ₁, or by none. λ₁ − λ₂ = √D/t comes from the metric itself,
-//! D = (λ₁² − λ₂²)²: the difference t² − 4s of the invariants would cancel in f32.
+//! Nothing is a difference of numbers near one, which in f32 would be rounding at a strain of 1e-5.
+//!
+//! The membrane wrinkles instead of being compressed: S₂ = A + Q (λ₁² − 1) < 0 is replaced by
+//! uniaxial tension, S₂ = 0 and S₁ = Ef(λ₁ − 1)/λ₁, or by none; λ₁ − λ₂ = √D/t.
 //!
 //! One source for f64 and for four f32 lanes; [`super::coupled`] has the reference.
 
@@ -25,7 +27,7 @@ const SMALL_STRAIN: f64 = 1e-6;
 const MIN_SPREAD: f64 = 1e-30;
 /// Fraction of the secant that a wrinkled triangle keeps in the blocks \[-\]: slack skin is taut again after a step.
 const WRINKLED_SECANT: f64 = 0.2;
-/// Least (λ₁² − λ₂²)² in the blocks \[-\], whose invariants cancel in f32.
+/// Least D in the blocks \[-\], whose vectors cancel in f32.
 const MIN_DIFFERENCE: f64 = 1e-10;
 /// Squared relative area below which a triangle counts as this much \[-\].
 const MIN_AREA: f64 = 1e-10;
@@ -89,16 +91,74 @@ pub(crate) struct Fibre<R> {
     pub(crate) per_spread: R,
 }
 
-/// s = √det of a metric relative to that at rest, from the determinant.
-#[inline(always)]
-pub(crate) fn area_stretch<R: Real>(determinant: R) -> R {
-    determinant.max(R::splat(MIN_AREA)).sqrt()
+/// The change γ of a triangle's metric by its invariants.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Change<R> {
+    /// G⁻¹ : γ = λ₁² + λ₂² − 2.
+    pub(crate) trace: R,
+    /// D = (λ₁² − λ₂²)².
+    pub(crate) spread: R,
 }
 
-/// t = tr U.
-#[inline(always)]
-pub(crate) fn trace_of_stretch<R: Real>(i1: R, s: R) -> R {
-    (i1 + s + s).sqrt()
+impl<R: Real> Change<R> {
+    /// Of two edges that are orthonormal at rest: γ₁₁, γ₂₂, γ₁₂.
+    #[inline(always)]
+    pub(crate) fn of_square([c11, c22, c12]: [R; 3]) -> Self {
+        let (difference, twice) = (c11 - c22, c12 + c12);
+        Self { trace: c11 + c22, spread: difference * difference + twice * twice }
+    }
+}
+
+/// What the law reads of a triangle's stretch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stretch<R> {
+    /// τ = tr U − 2.
+    pub(crate) trace: R,
+    /// σ = λ₁λ₂ − 1.
+    pub(crate) area: R,
+    /// E:E.
+    squares: R,
+    /// 1/(t s).
+    inverse: R,
+}
+
+impl<R: Real> Stretch<R> {
+    /// From the change of the metric and det γ/det G.
+    #[inline(always)]
+    pub(crate) fn new(Change { trace, spread }: Change<R>, determinant: R) -> Self {
+        let one = R::splat(1.0);
+        let determinant = trace + determinant;
+        let s = (determinant + one).max(R::splat(MIN_AREA)).sqrt();
+        let t = (trace + s + s + R::splat(2.0)).sqrt();
+        let (over_s, over_t) = (s + one, t + R::splat(2.0));
+        // One division for all.
+        let (both, product) = (over_s * over_t, t * s);
+        let quotient = one / (both * product);
+        let (per_both, inverse) = (product * quotient, both * quotient);
+        let area = determinant * over_t * per_both;
+        let trace = (trace + area + area) * over_s * per_both;
+        let per_t = s * inverse;
+        let squares = (trace * trace + spread * per_t * per_t) * R::splat(0.5);
+        Self { trace, area, squares, inverse }
+    }
+
+    /// Of two edges that are orthonormal at rest: γ₁₁, γ₂₂, γ₁₂.
+    #[inline(always)]
+    pub(crate) fn of_square(change @ [c11, c22, c12]: [R; 3]) -> Self {
+        Self::new(Change::of_square(change), c11 * c22 - c12 * c12)
+    }
+
+    /// s.
+    #[inline(always)]
+    pub(crate) fn area_stretch(self) -> R {
+        self.area + R::splat(1.0)
+    }
+
+    /// t.
+    #[inline(always)]
+    pub(crate) fn trace_of_stretch(self) -> R {
+        self.trace + R::splat(2.0)
+    }
 }
 
 impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
@@ -117,12 +177,10 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
         }
     }
 
-    /// ē of triangles with the invariants I₁ and t.
+    /// ē of triangles.
     #[inline(always)]
-    pub(crate) fn equivalent_strain(&self, i1: R, t: R) -> R {
-        let over = t - R::splat(2.0);
-        let squares = (i1 - over - over - R::splat(2.0)).max(R::default());
-        ((squares * self.one_minus_nu + over * over * self.nu) * self.plane).sqrt()
+    fn equivalent_strain(&self, Stretch { trace, squares, .. }: Stretch<R>) -> R {
+        ((squares * self.one_minus_nu + trace * trace * self.nu) * self.plane).sqrt()
     }
 
     #[inline(always)]
@@ -148,82 +206,76 @@ impl<R: Real, T: AsRef<Buckets<R>>> Group<R, T> {
         )
     }
 
-    /// P and Q of triangles with the invariants I₁, s > 0 and t; `spread` returns D = (λ₁² − λ₂²)² of the metric.
+    /// A and Q of triangles.
     #[inline(always)]
-    pub(crate) fn tension(&self, i1: R, s: R, t: R, spread: impl Fn() -> R) -> (R, R) {
+    pub(crate) fn tension(&self, at: Stretch<R>, change: Change<R>) -> [R; 2] {
         let one = R::splat(1.0);
-        let inverse = one / (t * s);
-        let secant = self.secant(self.equivalent_strain(i1, t));
-        let q = secant * (((t - one) * self.nu - one) * self.plane) * inverse;
-        let p = secant * self.shear + q * s;
-        self.relaxed([p, q], t, spread())
+        let Stretch { trace, area, inverse, .. } = at;
+        let s = at.area_stretch();
+        let scale = self.secant(self.equivalent_strain(at)) * self.plane * inverse;
+        let bulk = trace * (s + one) * self.nu;
+        let all = scale * ((trace * s + area) * self.one_minus_nu + bulk);
+        let q = scale * (trace * self.nu - self.one_minus_nu);
+        self.relaxed([all, q], at, change)
     }
 
-    /// P and Q of triangles that are not compressed: where P + Q λ₁² < 0, those of uniaxial tension along the first direction,
-    /// or zero.
+    /// A and Q of triangles that are not compressed: where A + Q (λ₁² − 1) < 0, those of uniaxial tension along the first
+    /// direction, or zero.
     #[inline(always)]
-    fn relaxed(&self, [p, q]: [R; 2], t: R, spread: R) -> (R, R) {
+    fn relaxed(&self, [all, q]: [R; 2], at: Stretch<R>, change: Change<R>) -> [R; 2] {
         let zero = R::default();
-        let difference = spread.max(R::splat(MIN_SPREAD)).sqrt();
-        let strain = (t - R::splat(2.0) + difference / t) * R::splat(0.5);
-        let first = strain + R::splat(1.0);
-        let square = first * first;
-        let is_wrinkled = zero.is_above(p + q * square);
+        let difference = change.spread.max(R::splat(MIN_SPREAD)).sqrt();
+        let square = (change.trace + difference) * R::splat(0.5);
+        let is_wrinkled = zero.is_above(all + q * square);
         if !R::is_any(is_wrinkled) {
-            return (p, q);
+            return [all, q];
         }
+        let strain = greatest_strain(at, difference);
         let pulled = strain.max(zero);
-        // Wrinkled, λ₁ − λ₂ is at least (1 + ν)ε₁: the bound is exact, and without it a triangle at rest would pull by its rounding.
-        let secant = self.secant(pulled);
-        let along = secant * pulled / (first * difference);
-        let along = along.min(secant * self.shear / (first * t));
-        (R::select(is_wrinkled, along * square, p), R::select(is_wrinkled, -along, q))
+        let along = self.secant(pulled) * pulled / ((strain + R::splat(1.0)) * difference);
+        [R::select(is_wrinkled, along * square, all), R::select(is_wrinkled, -along, q)]
     }
 }
 
-/// D = (λ₁² − λ₂²)² of a metric relative to an orthonormal frame.
+/// ε₁, or ε₂ of the negative difference λ₁² − λ₂².
 #[inline(always)]
-pub(crate) fn spread<R: Real>(c11: R, c22: R, c12: R) -> R {
-    let (difference, twice) = (c11 - c22, c12 + c12);
-    difference * difference + twice * twice
+fn greatest_strain<R: Real>(at: Stretch<R>, difference: R) -> R {
+    (at.trace + difference * at.inverse * at.area_stretch()) * R::splat(0.5)
 }
 
-/// P and Q of all groups.
+/// A and Q of all groups.
 #[inline(always)]
 pub(crate) fn tension<R: Real, T: AsRef<Buckets<R>>>(
     groups: &[Group<R, T>],
-    i1: R,
-    s: R,
-    t: R,
-    spread: impl Fn() -> R,
-) -> (R, R) {
-    let (mut p, mut q) = (R::default(), R::default());
+    at: Stretch<R>,
+    change: Change<R>,
+) -> [R; 2] {
+    let mut sum = [R::default(); 2];
     for group in groups {
-        let (one, two) = group.tension(i1, s, t, &spread);
-        p += one;
-        q += two;
+        let [one, two] = group.tension(at, change);
+        sum[0] += one;
+        sum[1] += two;
     }
-    (p, q)
+    sum
 }
 
 /// The stiffness of all groups; wrinkled, that of uniaxial tension and [`WRINKLED_SECANT`].
 #[inline(always)]
 pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
     groups: &[Group<R, T>],
-    i1: R,
-    s: R,
+    at: Stretch<R>,
+    change: Change<R>,
 ) -> Stiffness<R> {
     let one = R::splat(1.0);
-    let t = trace_of_stretch(i1, s);
+    let (s, t) = (at.area_stretch(), at.trace_of_stretch());
     let zero = R::default();
     let (mut alpha, mut beta) = (zero, zero);
     let (mut vv, mut v_tau, mut tau_tau) = (zero, zero, zero);
     let mut fibre = None;
-    let difference = (i1 * i1 - R::splat(4.0) * s * s).max(R::splat(MIN_DIFFERENCE)).sqrt();
-    let [greater, least] = [difference, -difference]
-        .map(|difference| (t - R::splat(2.0) + difference / t) * R::splat(0.5));
+    let difference = change.spread.max(R::splat(MIN_DIFFERENCE)).sqrt();
+    let [greater, least] = [difference, -difference].map(|one| greatest_strain(at, one));
     for group in groups {
-        let equivalent = group.equivalent_strain(i1, t);
+        let equivalent = group.equivalent_strain(at);
         let (mut secant, mut slope) = group.secant_and_slope(equivalent);
         let is_wrinkled = zero.is_above(least + greater * group.nu);
         if R::is_any(is_wrinkled) {
@@ -264,5 +316,56 @@ pub(crate) fn stiffness<R: Real, T: AsRef<Buckets<R>>>(
         v_tau,
         tau_tau: tau_tau - beta_t,
         fibre,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::CurveSpec;
+    use crate::springs::Material;
+    use crate::springs::coupled::CoupledLaw;
+    use wide::f32x4;
+
+    /// The change of a metric by the principal strains about turned axes.
+    fn change([a, b]: [f64; 2], turn: f64) -> [f64; 3] {
+        let (sin, cos) = turn.sin_cos();
+        let [a, b] = [a * (a + 2.0), b * (b + 2.0)];
+        [a * cos * cos + b * sin * sin, a * sin * sin + b * cos * cos, (a - b) * sin * cos]
+    }
+
+    /// Taut, wrinkled and slack: f32 keeps a tension's digits, however small the strain is.
+    #[test]
+    fn the_tension_of_small_strains_keeps_its_digits_in_f32() {
+        let law =
+            CoupledLaw::new(&[Material::of(&CurveSpec::Linear { modulus_kpa: 50.0 }, 0.45, 2.0)]);
+        let groups = law.closed_form::<f32x4>(1.0);
+        for size in [1e-1, 1e-3, 1e-5, 1e-7] {
+            for (one, two) in [(1.0, 0.8), (1.0, 0.0), (0.7, -0.2), (1.0, -0.6), (-0.3, -0.8)] {
+                let strain = [one, two].map(|part: f64| part * size);
+                for turn in [0.0, 0.4, 1.3] {
+                    let change = change(strain, turn).map(<f32x4 as Real>::splat);
+                    let [all, q] =
+                        tension(&groups, Stretch::of_square(change), Change::of_square(change));
+                    // Along the principal directions the second Piola–Kirchhoff tension is T/λ.
+                    let response = law.response(strain).tension;
+                    for (along, across) in [(0, 1), (1, 0)] {
+                        let found = f64::from(
+                            (all + q * f32x4::splat(
+                                (strain[across] * (strain[across] + 2.0)) as f32,
+                            ))
+                            .to_array()[0],
+                        );
+                        let expected = response[along] / (1.0 + strain[along]);
+                        let scale =
+                            response[0].abs().max(response[1].abs()).max(1e-3 * 100.0 * size);
+                        assert!(
+                            (found - expected).abs() < 1e-5 * scale,
+                            "{strain:?} {turn}: {found:e} {expected:e}"
+                        );
+                    }
+                }
+            }
+        }
     }
 }

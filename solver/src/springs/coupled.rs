@@ -18,7 +18,7 @@
 //! Uses `curve`, `number`. Used by `model`, `measure`, the lab.
 
 use super::Material;
-use super::closed_form::{self, Group, GroupNumbers};
+use super::closed_form::{Change, Group, GroupNumbers, Stretch};
 use super::table::{Buckets, Table, Weight};
 use crate::curve::Curve;
 use crate::number::Real;
@@ -211,14 +211,12 @@ impl CoupledLaw {
     #[inline]
     #[must_use]
     pub fn second_piola_kirchhoff(&self, [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
-        let (i1, s) = (c11 + c22, closed_form::area_stretch(c11 * c22 - c12 * c12));
-        let t = closed_form::trace_of_stretch(i1, s);
-        let (mut p, mut q) = (0.0, 0.0);
-        for Merged { group, .. } in &self.layers {
-            let (one, two) = group.tension(i1, s, t, || closed_form::spread(c11, c22, c12));
-            (p, q) = (p + one, q + two);
-        }
-        [p + q * c22, p + q * c11, -q * c12]
+        let change = [c11 - 1.0, c22 - 1.0, c12];
+        let at = Stretch::of_square(change);
+        let tension = |merged: &Merged| merged.group.tension(at, Change::of_square(change));
+        let tensions = self.layers.iter().map(tension);
+        let [all, q] = tensions.fold([0.0; 2], |[all, q], [one, two]| [all + one, q + two]);
+        [all + q * change[1], all + q * change[0], -q * c12]
     }
 
     /// Tensions and their derivatives at principal Biot strains.

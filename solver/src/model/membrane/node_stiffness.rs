@@ -59,7 +59,7 @@ mod tests {
     use super::*;
     use crate::curve::CurveSpec;
     use crate::springs::Material;
-    use crate::springs::closed_form;
+    use crate::springs::closed_form::{self, Change, Stretch};
     use crate::springs::coupled::CoupledLaw;
     use glam::{DMat2, DVec2, DVec3};
 
@@ -85,7 +85,10 @@ mod tests {
                 law.energy([(half + root).sqrt() - 1.0, (half - root).sqrt() - 1.0])
             };
             let [one, two] = stretches;
-            let k = closed_form::stiffness(&groups, one * one + two * two, one * two);
+            let (one_square, two_square) = (one * one, two * two);
+            let change = [one_square - 1.0, two_square - 1.0, 0.0];
+            let at = Stretch::of_square(change);
+            let k = closed_form::stiffness(&groups, at, Change::of_square(change));
             let fibre = k.fibre.expect("wrinkled");
             let area = (two * m.dot(v1)).powi(2) + (one * m.dot(v2)).powi(2);
             let v = f(m);

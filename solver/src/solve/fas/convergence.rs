@@ -18,9 +18,12 @@ use super::{FullMultigrid, Mode, State, Stop};
 use crate::contact::contact_edge;
 use crate::model::ElasticModel;
 
-/// Change of a cycle of layered tissue below which slow cycles do not end the attempt \[tolerance\]: of 40 patients at 129 nodes per
-/// side with tolerance 1e-4 four ended above the tolerance without, none with it.
+/// Change of a cycle below which slow cycles do not end the attempt \[tolerance\]: of 40 patients at 129 nodes per side with
+/// tolerance 1e-4 four ended above the tolerance without, none with it.
 const NEAR_END: f64 = 0.1;
+
+/// Slow cycles of a sheet on a grid from which on they are robust. Fixed by `contact-of-one-node`.
+const SLOW_AGAIN: u32 = 3;
 
 /// Length of the step D⁻¹r of a residual that is negligible \[tolerance\].
 const NEGLIGIBLE_STEP: f64 = 0.1;
@@ -68,6 +71,8 @@ pub(super) struct Convergence {
     pub(super) cycles: u32,
     /// Slow cycles in a row.
     slow_cycles: u32,
+    /// All slow cycles of the grid.
+    all_slow_cycles: u32,
     /// Was a cycle slow?
     pub(super) was_slow: bool,
     /// Balance tests whose residual fell by less than `stagnation_factor` since the previous test.
@@ -93,6 +98,7 @@ impl Convergence {
     pub(super) const NEW: Self = Self {
         cycles: 0,
         slow_cycles: 0,
+        all_slow_cycles: 0,
         was_slow: false,
         stagnations: 0,
         stagnation_residual: f64::INFINITY,
@@ -126,6 +132,7 @@ impl Convergence {
             is_slow = change > parameters.slow_factor * self.last_change;
             self.slow_cycles = if is_slow { self.slow_cycles + 1 } else { 0 };
             self.was_slow |= is_slow;
+            self.all_slow_cycles += u32::from(is_slow);
         }
         self.last_change = change;
         self.ending.error = parameters.error_safety * change * rate / (1.0 - rate);
@@ -143,12 +150,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
             return State::Failed;
         }
         let is_slow = self.convergence.estimate_error(change, self.parameters);
-        // Skin in folds has a slow mode: close to the end further cycles cost less than another attempt.
-        if self.model.layers() > 1 && change <= NEAR_END * self.tolerance * self.reference_length {
+        // Skin in folds has a slow mode, and slack skin hardly moves: close to the end further cycles cost less than another attempt.
+        if change <= NEAR_END * self.tolerance * self.reference_length {
             self.convergence.slow_cycles = 0;
         }
         let parameters = self.parameters;
-        if is_slow && self.grid > 0 && change > parameters.start_tolerance * self.reference_length {
+        let is_far = change > parameters.start_tolerance * self.reference_length;
+        if is_slow && self.grid > 0 && (is_far || self.is_slow_again()) {
             self.mode = Mode::Robust;
         }
         if self.grid == self.rising_grid() && !self.ascent.is_empty() {
@@ -158,6 +166,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
         } else {
             self.check_start()
         }
+    }
+
+    /// Have cycles of a sheet been slow before? A contact of one or two nodes is none on coarser grids, which lift the sheet off it.
+    fn is_slow_again(&self) -> bool {
+        self.model.layers() == 1 && self.convergence.all_slow_cycles >= SLOW_AGAIN
     }
 
     /// Ends a cycle of a coarser grid, whose solution is only a start.

@@ -8,7 +8,7 @@ use crate::mesh::lanes::{Field, OwnTriangle};
 use crate::mesh::vec3::{Block, Vec3, add, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::node_stiffness;
-use crate::springs::closed_form::{area_stretch, trace_of_stretch};
+use crate::springs::closed_form::{Change, Stretch};
 use wide::f32x4;
 
 /// All triangles at the border.
@@ -26,6 +26,8 @@ pub(super) struct Four {
     pub(super) corners: [[u32; 4]; 3],
     /// The two edges from the first corner without displacement.
     pub(super) edges: [Vec3; 2],
+    /// Metric of these edges, less G: 11, 12, 22.
+    added: [f32x4; 3],
     /// G⁻¹: 11, 12, 22.
     inverse_metric: [f32x4; 3],
     /// 1/det G.
@@ -35,7 +37,7 @@ pub(super) struct Four {
 }
 
 /// Fours that are evaluated together: single ones would wait for square roots.
-const AT_ONCE: usize = 16;
+const AT_ONCE: usize = 8;
 
 /// Displacements and forces of the border's nodes, and the fours under evaluation.
 #[derive(Clone, Debug)]
@@ -52,17 +54,16 @@ impl BorderScratch {
     }
 }
 
-/// The edges of four triangles, their metric and invariants.
+/// Four triangles under evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stretched {
-    e1: Vec3,
-    e2: Vec3,
-    g11: f32x4,
-    g12: f32x4,
-    g22: f32x4,
-    i1: f32x4,
-    s: f32x4,
-    t: f32x4,
+    edges: [Vec3; 2],
+    /// Metric of these edges, less G: 11, 12, 22.
+    added: [f32x4; 3],
+    change: Change<f32x4>,
+    at: Stretch<f32x4>,
+    /// A and Q.
+    tension: [f32x4; 2],
 }
 
 #[inline(always)]
@@ -75,7 +76,7 @@ impl Four {
     /// Of one to four triangles; `place` is the place of a stored node among the border's.
     fn new(triangles: &[OwnTriangle], place: impl Fn(u32) -> u32) -> Self {
         let mut corners = [[0_u32; 4]; 3];
-        let mut numbers = [[0.0_f32; 4]; 11];
+        let mut numbers = [[0.0_f32; 4]; 14];
         for lane in 0..4 {
             // Unused lanes repeat the last triangle without weight.
             let OwnTriangle { nodes, places, rest, weight } =
@@ -95,6 +96,9 @@ impl Four {
                 e2.x,
                 e2.y,
                 e2.z,
+                e1.length_squared() - g11,
+                e1.dot(e2) - g12,
+                e2.length_squared() - g22,
                 g22 / det,
                 -g12 / det,
                 g11 / det,
@@ -113,9 +117,10 @@ impl Four {
         Self {
             corners,
             edges: [[n[0], n[1], n[2]], [n[3], n[4], n[5]]],
-            inverse_metric: [n[6], n[7], n[8]],
-            inverse_det: n[9],
-            weight: n[10],
+            added: [n[6], n[7], n[8]],
+            inverse_metric: [n[9], n[10], n[11]],
+            inverse_det: n[12],
+            weight: n[13],
         }
     }
 
@@ -123,36 +128,36 @@ impl Four {
     #[inline(always)]
     fn stretched(&self, u: &[f32x4]) -> Stretched {
         let [a, b, c] = [0, 1, 2].map(|k| gathered(u, &self.corners[k]));
-        let (e1, e2) = (add(sub(b, a), self.edges[0]), add(sub(c, a), self.edges[1]));
-        let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
+        let ([r1, r2], [d1, d2]) = (self.edges, [sub(b, a), sub(c, a)]);
+        let edges @ [e1, e2] = [add(r1, d1), add(r2, d2)];
+        let [c11, c12, c22] = self.added;
+        let added @ [c11, c12, c22] = [
+            c11 + dot(d1, add(r1, e1)),
+            c12 + dot(r1, d2) + dot(d1, e2),
+            c22 + dot(d2, add(r2, e2)),
+        ];
+        // M = G⁻¹γ: its trace, and the square of M₁₁ − M₂₂ and 4 M₁₂M₂₁.
         let [i11, i12, i22] = self.inverse_metric;
-        let det = (g11 * g22 - g12 * g12) * self.inverse_det;
-        let i1 = i11 * g11 + i12 * g12 * 2.0 + i22 * g22;
-        let s = area_stretch(det);
-        Stretched { e1, e2, g11, g12, g22, i1, s, t: trace_of_stretch(i1, s) }
+        let (one, two) = (i11 * c11, i22 * c22);
+        let product = (i11 * c12 + i12 * c22) * (i12 * c11 + i22 * c12);
+        let change = Change {
+            trace: one + i12 * c12 * 2.0 + two,
+            spread: (one - two) * (one - two) + product * 4.0,
+        };
+        let at = Stretch::new(change, (c11 * c22 - c12 * c12) * self.inverse_det);
+        Stretched { edges, added, change, at, tension: Default::default() }
     }
 
-    /// The tension along both edges of a metric: M e, M = P G⁻¹ + Q/det G · cof g, with `q` that of Q/det G.
+    /// The tension along both edges: M e, M = A G⁻¹ + Q/det G · adj γ.
     #[inline(always)]
     fn pulls(
         &self,
-        [e1, e2]: [Vec3; 2],
-        [g11, g12, g22]: [f32x4; 3],
-        p: f32x4,
-        q: f32x4,
+        &Stretched { edges: [e1, e2], added: [c11, c12, c22], tension: [all, q], .. }: &Stretched,
     ) -> [Vec3; 2] {
+        let q = q * self.inverse_det;
         let [i11, i12, i22] = self.inverse_metric;
-        let (m11, m12, m22) = (p * i11 + q * g22, p * i12 - q * g12, p * i22 + q * g11);
+        let (m11, m12, m22) = (all * i11 + q * c22, all * i12 - q * c12, all * i22 + q * c11);
         [add(scale(e1, m11), scale(e2, m12)), add(scale(e1, m12), scale(e2, m22))]
-    }
-
-    /// (λ₁² − λ₂²)² of a metric: of M = G⁻¹g the square of M₁₁ − M₂₂ and 4 M₁₂M₂₁.
-    #[inline(always)]
-    fn spread(&self, [g11, g12, g22]: [f32x4; 3]) -> f32x4 {
-        let [i11, i12, i22] = self.inverse_metric;
-        let difference = i11 * g11 - i22 * g22;
-        let product = (i11 * g12 + i12 * g22) * (i12 * g11 + i22 * g12);
-        difference * difference + product * 4.0
     }
 }
 
@@ -191,15 +196,11 @@ impl Border {
             for (four, out) in fours.iter().zip(&mut *stretched) {
                 *out = four.stretched(at);
             }
-            for (four, at) in fours.iter().zip(&mut *stretched) {
-                let &mut Stretched { g11, g12, g22, i1, s, t, .. } = at;
-                (at.i1, at.s) = law.tension(i1, s, t, || four.spread([g11, g12, g22]));
+            for one in &mut *stretched {
+                one.tension = law.tension(one.at, one.change);
             }
-            for (four, &Stretched { e1, e2, g11, g12, g22, i1: p, s: q, .. }) in
-                fours.iter().zip(&*stretched)
-            {
-                let (p, q) = (p * four.weight, q * four.weight * four.inverse_det);
-                let [p1, p2] = four.pulls([e1, e2], [g11, g12, g22], p, q);
+            for (four, one) in fours.iter().zip(&*stretched) {
+                let [p1, p2] = four.pulls(one).map(|pull| scale(pull, four.weight));
                 let on_corners = [add(p1, p2), p1.map(|p| -p), p2.map(|p| -p)];
                 for (corner, [x, y, z]) in four.corners.iter().zip(on_corners) {
                     let lanes = f32x4::transpose([x, y, z, f32x4::ZERO]);
@@ -223,9 +224,9 @@ impl Border {
         // A cell is four triangles of half weight.
         let share = 0.25;
         let squares = |four: &Four| {
-            let Stretched { e1, e2, g11, g12, g22, i1, s, t } = four.stretched(&scratch.u);
-            let (p, q) = law.tension(i1, s, t, || four.spread([g11, g12, g22]));
-            let [p1, p2] = four.pulls([e1, e2], [g11, g12, g22], p, q * four.inverse_det);
+            let mut one = four.stretched(&scratch.u);
+            one.tension = law.tension(one.at, one.change);
+            let [p1, p2] = four.pulls(&one);
             let pulls = dot(p1, p1) + dot(p2, p2);
             f64::from((four.weight.simd_gt(f32x4::ZERO) & pulls).reduce_add())
         };
@@ -262,10 +263,11 @@ impl Border {
             (f32x4::ZERO, f32x4::ONE),
         ];
         for four in &self.fours {
-            let Stretched { e1, e2, g11, g12, g22, i1, s, .. } = four.stretched(&scratch.u);
+            let Stretched { edges: [e1, e2], change, at, .. } = four.stretched(&scratch.u);
+            let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
             let [i11, i12, i22] = four.inverse_metric;
-            let k = law.stiffness(i1, s);
-            let per_s = f32x4::ONE / s;
+            let k = law.stiffness(at, change);
+            let per_s = f32x4::ONE / at.area_stretch();
             let per_t = f32x4::ONE / k.t;
             let n = scale(cross(e1, e2), per_s * four.inverse_det.sqrt());
             for (places, (m1, m2)) in four.corners.iter().zip(corners) {

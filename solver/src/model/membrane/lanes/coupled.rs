@@ -1,6 +1,6 @@
 //! The coupled law in lanes of four f32, scaled for the regular cells of a grid.
 
-use crate::springs::closed_form::{self, Group, Stiffness};
+use crate::springs::closed_form::{self, Change, Group, Stiffness, Stretch};
 use crate::springs::coupled::CoupledLaw;
 use crate::springs::table::Buckets;
 use wide::f32x4;
@@ -28,27 +28,27 @@ impl CoupledLanes {
     }
 
     #[inline(always)]
-    pub(super) fn stiffness(&self, i1: f32x4, s: f32x4) -> Stiffness<f32x4> {
-        closed_form::stiffness(&self.groups, i1, s)
+    pub(super) fn stiffness(&self, at: Stretch<f32x4>, change: Change<f32x4>) -> Stiffness<f32x4> {
+        closed_form::stiffness(&self.groups, at, change)
     }
 }
 
 /// The tension of four triangles.
 pub(super) trait Law {
-    /// P and Q of triangles with the invariants I₁, s > 0 and t; `spread` returns (λ₁² − λ₂²)².
-    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4, spread: impl Fn() -> f32x4) -> (f32x4, f32x4);
+    /// A and Q of triangles.
+    fn tension(&self, at: Stretch<f32x4>, change: Change<f32x4>) -> [f32x4; 2];
 }
 
 impl Law for LaneGroup {
     #[inline(always)]
-    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4, spread: impl Fn() -> f32x4) -> (f32x4, f32x4) {
-        Group::tension(self, i1, s, t, spread)
+    fn tension(&self, at: Stretch<f32x4>, change: Change<f32x4>) -> [f32x4; 2] {
+        Group::tension(self, at, change)
     }
 }
 
 impl Law for [LaneGroup] {
     #[inline(always)]
-    fn tension(&self, i1: f32x4, s: f32x4, t: f32x4, spread: impl Fn() -> f32x4) -> (f32x4, f32x4) {
-        closed_form::tension(self, i1, s, t, spread)
+    fn tension(&self, at: Stretch<f32x4>, change: Change<f32x4>) -> [f32x4; 2] {
+        closed_form::tension(self, at, change)
     }
 }

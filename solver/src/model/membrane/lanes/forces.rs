@@ -10,7 +10,7 @@ use crate::mesh::lanes::{CellRow, Field, shifted_right};
 use crate::mesh::vec3::{Block, Vec3, add, add_outer, cross, dot, scale, sub};
 use crate::model::NodeBlocks;
 use crate::model::membrane::node_stiffness::{add_fibre, add_stretch};
-use crate::springs::closed_form::{area_stretch, spread, trace_of_stretch};
+use crate::springs::closed_form::{Change, Stretch};
 use wide::f32x4;
 
 /// Lanes shifted to the left; the last one is the first of the following four.
@@ -72,7 +72,7 @@ impl<'a> Sums<'a> {
     }
 }
 
-/// The edges of four neighbouring cells.
+/// The edges of four neighbouring cells, or what the displacement adds to them.
 struct Cells {
     bottom: Vec3,
     top: Vec3,
@@ -81,19 +81,23 @@ struct Cells {
 }
 
 impl Cells {
-    /// From the lower and the upper row of nodes: these four, the next four.
+    /// What the displacements of the lower and the upper row of nodes add: these four, the next four.
     #[inline(always)]
-    fn new(a: Vec3, a_next: Vec3, d: Vec3, d_next: Vec3) -> Self {
+    fn added(a: Vec3, a_next: Vec3, d: Vec3, d_next: Vec3) -> Self {
         let shift = |now: Vec3, next: Vec3| [0, 1, 2].map(|k| shifted_left(now[k], next[k]));
         let (b, c) = (shift(a, a_next), shift(d, d_next));
+        Self { bottom: sub(b, a), top: sub(c, d), left: sub(d, a), right: sub(c, b) }
+    }
+
+    /// With the edges at rest.
+    #[inline(always)]
+    fn edges(mut self) -> Self {
         let one = f32x4::ONE;
-        let mut cells =
-            Self { bottom: sub(b, a), top: sub(c, d), left: sub(d, a), right: sub(c, b) };
-        cells.bottom[0] += one;
-        cells.top[0] += one;
-        cells.left[1] += one;
-        cells.right[1] += one;
-        cells
+        self.bottom[0] += one;
+        self.top[0] += one;
+        self.left[1] += one;
+        self.right[1] += one;
+        self
     }
 }
 
@@ -122,12 +126,10 @@ fn all_forces<L: Law + ?Sized>(
         // Three short loops: one long one would wait for its own square roots.
         measure_row(lower, upper, row);
         for four in row.iter_mut() {
-            let [bb, tt, ll, rr, bl, br, tl, tr] = four.dots;
-            let metrics = [[bb, ll, bl], [bb, rr, br], [tt, rr, tr], [tt, ll, tl]];
-            for (triangle, [g11, g22, g12]) in four.triangles.iter_mut().zip(metrics) {
-                let [i1, s, t] = *triangle;
-                let (p, q) = law.tension(i1, s, t, || spread(g11, g22, g12));
-                (triangle[0], triangle[1]) = (p, q);
+            let [bb, tt, ll, rr, bl, br, tl, tr] = four.changes;
+            let changes = [[bb, ll, bl], [bb, rr, br], [tt, rr, tr], [tt, ll, tl]];
+            for (at, change) in four.triangles.iter_mut().zip(changes) {
+                [at.trace, at.area] = law.tension(*at, Change::of_square(change));
             }
         }
         pull_row(lower, upper, row, sums, cells);
@@ -138,10 +140,10 @@ fn all_forces<L: Law + ?Sized>(
 /// Four neighbouring cells under evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellLanes {
-    /// B·B, T·T, L·L, R·R, B·L, B·R, T·L, T·R.
-    pub(super) dots: [f32x4; 8],
-    /// I₁, s and t of the triangles at the four corners, then P and Q.
-    pub(super) triangles: [[f32x4; 3]; 4],
+    /// B·B − 1, T·T − 1, L·L − 1, R·R − 1, B·L, B·R, T·L, T·R.
+    pub(super) changes: [f32x4; 8],
+    /// The triangles at the four corners; then A and Q stand for τ and σ.
+    pub(super) triangles: [Stretch<f32x4>; 4],
 }
 
 /// The invariants of a row of cells.
@@ -150,26 +152,19 @@ pub(super) fn measure_row(lower: Row, upper: Row, row: &mut [CellLanes]) {
     let (mut a, mut d) = (lower.block(0), upper.block(0));
     for (b, out) in row.iter_mut().enumerate() {
         let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
-        let Cells { bottom, top, left, right } = Cells::new(a, a_next, d, d_next);
+        let added = Cells::added(a, a_next, d, d_next);
         (a, d) = (a_next, d_next);
-        let (bb, tt, ll, rr) =
-            (dot(bottom, bottom), dot(top, top), dot(left, left), dot(right, right));
-        let (bl, br) = (dot(bottom, left), dot(bottom, right));
-        let (tl, tr) = (dot(top, left), dot(top, right));
-        let invariants = |g11: f32x4, g22: f32x4, g12: f32x4| {
-            let s = area_stretch(g11 * g22 - g12 * g12);
-            let i1 = g11 + g22;
-            [i1, s, trace_of_stretch(i1, s)]
-        };
-        *out = CellLanes {
-            dots: [bb, tt, ll, rr, bl, br, tl, tr],
-            triangles: [
-                invariants(bb, ll, bl),
-                invariants(bb, rr, br),
-                invariants(tt, rr, tr),
-                invariants(tt, ll, tl),
-            ],
-        };
+        // Two edges that meet at right angles at rest.
+        let squared = |axis: usize, v: Vec3| v[axis] + v[axis] + dot(v, v);
+        let product = |e1: Vec3, e2: Vec3| e1[1] + e2[0] + dot(e1, e2);
+        let Cells { bottom, top, left, right } = added;
+        let (bb, tt) = (squared(0, bottom), squared(0, top));
+        let (ll, rr) = (squared(1, left), squared(1, right));
+        let (bl, br) = (product(bottom, left), product(bottom, right));
+        let (tl, tr) = (product(top, left), product(top, right));
+        out.changes = [bb, tt, ll, rr, bl, br, tl, tr];
+        let changes = [[bb, ll, bl], [bb, rr, br], [tt, rr, tr], [tt, ll, tl]];
+        out.triangles = changes.map(Stretch::of_square);
     }
 }
 
@@ -187,10 +182,11 @@ fn pull_row(
     let mut before_lower = [f32x4::ZERO; 3];
     let mut before_upper = [f32x4::ZERO; 3];
     for (b, cells) in row.iter().enumerate() {
-        let [bb, tt, ll, rr, bl, br, tl, tr] = cells.dots;
-        let [[pa, qa, _], [pb, qb, _], [pc, qc, _], [pd, qd, _]] = cells.triangles;
+        let [bb, tt, ll, rr, bl, br, tl, tr] = cells.changes;
+        let [[pa, qa], [pb, qb], [pc, qc], [pd, qd]] =
+            cells.triangles.map(|at| [at.trace, at.area]);
         let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
-        let Cells { bottom, top, left, right } = Cells::new(a, a_next, d, d_next);
+        let Cells { bottom, top, left, right } = Cells::added(a, a_next, d, d_next).edges();
         (a, d) = (a_next, d_next);
         let (la, lb, lc, ld) = (qa * bl, qb * br, qc * tr, qd * tl);
         let edge = |own: f32x4, e: Vec3, one: f32x4, e1: Vec3, two: f32x4, e2: Vec3| {
@@ -244,7 +240,8 @@ fn block_row(law: &CoupledLanes, u: &Field, cells: CellRow, pitch: usize, blocks
         if b < count {
             let (a_next, d_next) = (lower.block(b + 1), upper.block(b + 1));
             let counts = cells.counts(b);
-            block = cell_block(law, &Cells::new(a, a_next, d, d_next)).map(|part| part & counts);
+            block = cell_block(law, &Cells::added(a, a_next, d, d_next).edges())
+                .map(|part| part & counts);
             (a, d) = (a_next, d_next);
         }
         // Each cell adds the same to its four corners.
@@ -262,14 +259,14 @@ fn cell_block(law: &CoupledLanes, cells: &Cells) -> Block {
     let e1 = scale(add(cells.bottom, cells.top), half);
     let e2 = scale(add(cells.left, cells.right), half);
     let (g11, g12, g22) = (dot(e1, e1), dot(e1, e2), dot(e2, e2));
-    let s = area_stretch(g11 * g22 - g12 * g12);
-    let i1 = g11 + g22;
-    let k = law.stiffness(i1, s);
-    let per_s = f32x4::ONE / s;
+    let change = [g11 - f32x4::ONE, g22 - f32x4::ONE, g12];
+    let at = Stretch::of_square(change);
+    let k = law.stiffness(at, Change::of_square(change));
+    let per_s = f32x4::ONE / at.area_stretch();
     let per_t = f32x4::ONE / k.t;
     let n = scale(cross(e1, e2), per_s);
     let all = k.p + k.p;
-    let across = (k.beta_t * i1 * per_s).fast_max(k.min_normal - all);
+    let across = (k.beta_t * (g11 + g22) * per_s).fast_max(k.min_normal - all);
     let mut block = [f32x4::ZERO; 6];
     add_outer(&mut block, scale(n, across), n);
     let (w1, w2) = (sub(scale(e1, g22), scale(e2, g12)), sub(scale(e2, g11), scale(e1, g12)));

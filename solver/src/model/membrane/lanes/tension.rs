@@ -5,7 +5,8 @@ use super::coupled::{CoupledLanes, Law};
 use super::forces::{Row, measure_row};
 use crate::mesh::lanes::Field;
 use crate::model::Tension;
-use crate::springs::closed_form::spread;
+use crate::springs::closed_form::Change;
+use wide::f32x4;
 
 /// The tension of the whole cells: what the sheet pulls at the two edges B and L of every cell, squared.
 pub(super) fn tension(
@@ -20,10 +21,11 @@ pub(super) fn tension(
         let lower = Row::new(u, start, count + 1);
         measure_row(lower, Row::new(u, start + layout.pitch, count + 1), row);
         for (b, cells) in row.iter().enumerate() {
-            let [g11, _, g22, _, g12, ..] = cells.dots;
-            let [i1, s, t] = cells.triangles[0];
-            let (p, q) = law.groups().tension(i1, s, t, || spread(g11, g22, g12));
-            let (m11, m12, m22) = (p + q * g22, -q * g12, p + q * g11);
+            let [c11, _, c22, _, g12, ..] = cells.changes;
+            let [all, q] =
+                law.groups().tension(cells.triangles[0], Change::of_square([c11, c22, g12]));
+            let (m11, m12, m22) = (all + q * c22, -q * g12, all + q * c11);
+            let (g11, g22) = (c11 + f32x4::ONE, c22 + f32x4::ONE);
             let squares = m11 * (m11 * g11 + m12 * g12 * 2.0)
                 + m22 * (m22 * g22 + m12 * g12 * 2.0)
                 + m12 * m12 * (g11 + g22);
