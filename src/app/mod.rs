@@ -112,6 +112,7 @@ impl App {
                 timing: Timing::default(),
                 solving: None,
                 show_strip: true,
+                keep_surface: true,
                 chosen_plane: None,
                 research: false,
                 page_address: None,

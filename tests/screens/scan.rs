@@ -1,11 +1,12 @@
 //! A scan of a body: opened, marked by clicks, keys or a file, used as one step, cancelled, taken back.
 
-use super::{DESKTOP, PHONE, app, flat_plan, painted_texts, settle};
+use super::{DESKTOP, PHONE, app, flat_plan, painted_texts, press, settle};
 use eframe::egui::{self, Key, Modifiers, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use implant_preview::app::App;
 use implant_preview::body::read::{Format, Unit};
+use implant_preview::body::surface::Surface;
 use implant_preview::body::{torso, write};
 use implant_preview::scene::{LengthUnit, Scene, Side};
 use std::sync::Arc;
@@ -28,6 +29,20 @@ impl egui::DroppedFile for File {
 
 fn scan(unit: Unit) -> File {
     File("her.ply", write::write(&torso::builtin().surface, unit, Format::Ply))
+}
+
+/// A plate: no breasts.
+fn bare() -> File {
+    let mut surface = Surface::default();
+    for (i, j) in (0..51_u32).flat_map(|j| (0..41).map(move |i| (i, j))) {
+        let [x, y] = [f64::from(i) * 10.0 - 200.0, f64::from(j) * 10.0];
+        surface.positions.push([x, y, 0.0].into());
+        if i > 0 && j > 0 {
+            let k = j * 41 + i;
+            surface.triangles.extend([[k - 42, k - 41, k], [k - 42, k, k - 1]]);
+        }
+    }
+    File("bare.ply", write::write(&surface, Unit::Mm, Format::Ply))
 }
 
 /// The marks of the scan as a file.
@@ -97,12 +112,13 @@ fn a_scan_with_its_marks_becomes_the_body_of_the_plan_in_one_step() {
 #[test]
 fn marks_are_clicked_moved_by_keys_and_taken_back() {
     let mut harness = screen(DESKTOP);
-    drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
+    drop_file(&mut harness, bare(), "Scan bare.ply");
+    button(&harness, "Turn the body");
     let picture = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
     // In the midline above the breasts, then below them.
     for (name, part) in [("Sternal notch", 0.2), ("Navel", 0.75)] {
         harness.get_by_label_contains(&format!("Click on her body: {name}"));
-        let at = egui::pos2(picture.center().x, picture.top() + part * picture.height());
+        let at = egui::pos2(picture.center().x + 3.0, picture.top() + part * picture.height());
         harness.drag_at(at);
         harness.run();
         harness.drop_at(at);
@@ -134,7 +150,7 @@ fn marks_are_clicked_moved_by_keys_and_taken_back() {
     harness.get_by_label_contains("Click on her body: Navel");
     button(&harness, "Cancel").click();
     harness.run();
-    assert!(harness.query_by_label_contains("her.ply").is_none());
+    assert!(harness.query_by_label_contains("bare.ply").is_none());
     assert_eq!(scene(&harness), flat_plan());
 }
 
@@ -163,4 +179,65 @@ fn a_bad_file_has_one_line_and_wrong_marks_stay() {
     button(&harness, "mm").click();
     harness.run();
     assert!(!button(&harness, "Use these marks").accesskit_node().is_disabled());
+}
+
+#[test]
+fn marks_are_proposed_and_the_pictures_show_her_before_and_after() {
+    let mut harness = screen(DESKTOP);
+    drop_file(&mut harness, scan(Unit::Mm), "The marks are proposed");
+    button(&harness, "Use these marks").click();
+    harness.run();
+    settle(&mut harness);
+    assert!(scene(&harness).placement.is_some());
+    // The plan's file holds her surface; a link, pins and a file without the tick do not.
+    let text = harness.state().session().document_json();
+    assert!(text.contains("\"vertices\"") && text.len() < 600_000, "{}", text.len());
+    let opened = implant_preview::scene::Document::from_json(&text).unwrap();
+    assert_eq!(opened.scene.scene().placement, scene(&harness).placement);
+    assert!(!harness.state().session().document_json_without_surface().contains("\"vertices\""));
+    press(&mut harness, "Pin as A");
+    let shared = harness.state().session().shared_document_json();
+    assert!(!shared.contains("sternal_notch") && shared.contains("\"pins\""));
+    let pin = harness.state().session().pins().first().unwrap().scene().clone();
+    assert!(pin.placement.is_none() && pin.is_same_plan(&scene(&harness)));
+    let canvases =
+        |harness: &Screen, name| harness.query_all_by_role_and_label(Role::Canvas, name).count();
+    assert_eq!(canvases(&harness, "Before"), 0);
+    button(&harness, "Before | after").click();
+    harness.run();
+    let [before, after] =
+        ["Before", "3-D view"].map(|name| harness.get_by_role_and_label(Role::Canvas, name).rect());
+    assert!(before.right() < after.left() && (before.size() - after.size()).length() < 1.0);
+    for word in ["before", "after"] {
+        harness.get_by_label(word);
+    }
+    button(&harness, "Wipe").click();
+    harness.run();
+    assert_eq!(canvases(&harness, "Before"), 0);
+    let border = "Border between before and after";
+    let place =
+        |harness: &Screen| harness.get_by_role_and_label(Role::Slider, border).rect().center();
+    let middle = place(&harness);
+    harness.get_by_role_and_label(Role::Slider, border).focus();
+    harness.run();
+    harness.key_press(Key::ArrowLeft);
+    harness.run();
+    assert!(place(&harness).x < middle.x - 5.0);
+    let to = middle - egui::vec2(150.0, 0.0);
+    let from = place(&harness);
+    harness.drag_at(from);
+    harness.run();
+    harness.hover_at(to);
+    harness.run();
+    harness.drop_at(to);
+    harness.run();
+    assert!((place(&harness).x - to.x).abs() < 8.0);
+    // The words stay on their sides of the border.
+    assert!(harness.get_by_label("before").rect().right() < place(&harness).x);
+    button(&harness, "Inside").click();
+    harness.run();
+    assert!(
+        harness.query_by_role_and_label(Role::Slider, border).is_none(),
+        "cut tissue has no before"
+    );
 }

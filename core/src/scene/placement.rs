@@ -175,6 +175,24 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The scene without the surface of its body.
+    #[must_use]
+    pub fn without_surface(&self) -> Self {
+        let mut scene = self.clone();
+        if let Some(placement) = &mut scene.placement {
+            placement.surface = None;
+        }
+        scene
+    }
+
+    /// Has another scene the same scanned wall and tissue on the same side?
+    #[must_use]
+    pub fn is_on_wall_of(&self, other: &Self) -> bool {
+        self.chest_grid.is_some()
+            && (self.side, &self.chest_grid, &self.thickness_field)
+                == (other.side, &other.chest_grid, &other.thickness_field)
+    }
+
     /// Keeps the surface of the scene's body in its file; a scene without a place on a body stays as it is.
     ///
     /// # Errors

@@ -197,15 +197,7 @@ impl Session {
             Command::Rename(letter, name) => self.rename_pin(letter, name)?,
             Command::OpenPin(letter) => {
                 let pin = self.pin(letter).ok_or(CommandError::NoPin(letter))?;
-                // The visit is the patient's.
-                let visit = self.scene.visit.clone();
-                let mut scene = Scene { visit, ..pin.scene().clone() };
-                // So is the measured base of the breast.
-                if let (Some(patient), Some(now)) = (&mut scene.patient, &self.scene.patient) {
-                    let base = patient.base_now(now);
-                    patient.measured.base_width_mm = base.or(patient.measured.base_width_mm);
-                }
-                self.replace(CheckedScene::new(scene)?, false);
+                self.replace(CheckedScene::new(self.opened(pin))?, false);
                 self.last_gesture = None;
             }
         }

@@ -6,7 +6,7 @@
 
 use super::{CommandError, Session, work_of};
 use crate::measure::{Fields, Outcome, Status};
-use crate::scene::pins::{MAX_PINS, check_name};
+use crate::scene::pins::{MAX_PINS, check_name, document_json};
 use crate::scene::{CheckedScene, Letter, PinnedScene, Scene, SceneError, Side};
 use crate::simulate;
 use crate::solve::{Options, Progress, Solution, Solver};
@@ -117,6 +117,24 @@ impl Session {
         self.pins.iter().map(as_pinned).collect()
     }
 
+    /// The scene of a pin for the present patient: visit, body and measured base of the breast are hers.
+    pub(super) fn opened(&self, pin: &Pin) -> Scene {
+        let now = &self.scene;
+        let placement = now.placement.clone().filter(|_| pin.scene().is_on_wall_of(now));
+        let mut scene = Scene { visit: now.visit.clone(), placement, ..pin.scene().clone() };
+        if let (Some(patient), Some(now)) = (&mut scene.patient, &now.patient) {
+            let base = patient.base_now(now);
+            patient.measured.base_width_mm = base.or(patient.measured.base_width_mm);
+        }
+        scene
+    }
+
+    /// [`Self::document_json`] without the surface of a body.
+    #[must_use]
+    pub fn document_json_without_surface(&self) -> String {
+        document_json(&self.scene.without_surface(), &self.pinned_scenes())
+    }
+
     /// The pin of a letter.
     #[must_use]
     pub fn pin(&self, letter: Letter) -> Option<&Pin> {
@@ -210,10 +228,10 @@ impl Session {
         place.ok_or(CommandError::NoPin(letter))
     }
 
-    /// Adds a pin. A pin has no visit: pins are kept in the browser and compared with other plans.
+    /// Adds a pin. A pin has no visit and no body: pins are kept in the browser and compared with other plans.
     fn add_pin(&mut self, mut pinned: PinnedScene) {
         self.pins_added += 1;
-        pinned.scene.visit = None;
+        (pinned.scene.visit, pinned.scene.placement) = (None, None);
         let has_side = pinned.scene.side.is_some();
         pinned.scene.side = pinned.scene.side.or(self.scene.side);
         let at = self.pins.partition_point(|pin| pin.letter() < pinned.letter);

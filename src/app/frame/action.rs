@@ -1,7 +1,7 @@
 //! Actions of panels, commands of menus, keys and list. A panel adds its actions to a list; `perform` executes them.
 
 use super::messages::Notice;
-use crate::app::picture::viewport::PictureSubject;
+use crate::app::picture::viewport::{Before, PictureSubject};
 use crate::app::scan;
 use crate::app::texts::Language;
 use crate::scene::Scene;
@@ -41,6 +41,9 @@ pub(crate) enum Task {
     Areola,
     CrossSection,
     Torso,
+    KeepSurface,
+    /// Shows the body before, or no more.
+    ShowBefore(Before),
     Ruler,
     Research,
     Play,

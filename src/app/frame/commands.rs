@@ -6,7 +6,7 @@ use super::action::{Action, Purpose, Task};
 use super::messages::Notice;
 use super::shared::Shared;
 use crate::app::picture::strip::CROSS_SECTION;
-use crate::app::picture::viewport::PictureSubject;
+use crate::app::picture::viewport::{Before, PictureSubject};
 use crate::app::texts::{Language, tr};
 use crate::view::camera::View;
 use crate::view::quantity::Quantity;
@@ -69,14 +69,18 @@ const TABLE: &str =
 const LINK: &str =
     "The whole plan as an address, without the entries for the file; no server gets it";
 const AREOLA: &str = "A circle of 4 cm on the skin at rest, over the middle of the pocket; the circle stretches with the skin";
+const SURFACE: &str = "The plan's file then holds her body's surface, up to 300 kB; links and the browser's store never do";
+const BEFORE: &str = "The body before, beside the body after, with one camera";
+const WIPE: &str = "The body before in the left part of the picture; drag the border";
 const RESEARCH: &str = "What physics and developers need: the grid, all colours, accuracy and model, numbers in N and kPa, formats of programs";
 const NO_RESULT: &str = "No result yet: the plan is being computed";
 
 /// All commands, in the order of the list.
-pub(crate) const COMMANDS: [Entry; 46] = [
+pub(crate) const COMMANDS: [Entry; 49] = [
     keyed(Task::OpenPlan, "Open plan or scan…", OPEN, Keyed::Everywhere(Key::O)),
     entry(Task::OpenTable, "Open sizes in stock…", SHELF),
     keyed(Task::SavePlan, "Save plan…", "", Keyed::Everywhere(Key::S)),
+    entry(Task::KeepSurface, "Keep her surface in the file", SURFACE),
     entry(Task::SaveNumbers, "Save numbers (JSON)…", ""),
     entry(Task::SaveTable, "Save numbers (CSV)…", TABLE),
     entry(Task::TakeHome(Purpose::File), "Save picture (PNG)…", COMPOSED),
@@ -130,6 +134,8 @@ pub(crate) const COMMANDS: [Entry; 46] = [
         "Torso",
         "A body with both breasts as the plan makes them, uncut. No patient's shape",
     ),
+    entry(Task::ShowBefore(Before::Beside), "Before | after", BEFORE),
+    entry(Task::ShowBefore(Before::Wipe), "Wipe", WIPE),
     keyed(
         Task::Ruler,
         "Ruler",
@@ -184,6 +190,10 @@ pub(crate) fn why_not(shared: &Shared, task: Task) -> Option<&'static str> {
         Task::CopyLink => unless(shared.page_address.is_some(), tr("Only in the page")),
         Task::Undo => unless(session.can_undo(), tr("Nothing to undo")),
         Task::Redo => unless(session.can_redo(), tr("Nothing to redo")),
+        Task::KeepSurface => unless(shared.has_surface(), tr("The plan has no scanned body")),
+        Task::ShowBefore(_) => {
+            unless(shared.options.has_torso(), tr("Only where the body is drawn uncut"))
+        }
         Task::Pin => unless(session.free_letter().is_some(), tr("All four pins are in use")),
         _ => None,
     }
@@ -196,6 +206,8 @@ pub(crate) fn is_on(shared: &Shared, task: Task) -> Option<bool> {
         Task::Areola => Some(shared.options.has_areola()),
         Task::CrossSection => Some(shared.show_strip),
         Task::Torso => Some(shared.options.torso),
+        Task::KeepSurface => Some(shared.keep_surface),
+        Task::ShowBefore(way) => Some(shared.options.before == way),
         Task::Ruler => Some(shared.viewport.has_ruler()),
         Task::Research => Some(shared.research),
         _ => None,

@@ -3,6 +3,8 @@
 
 use crate::app::plan::device::Device;
 use crate::app::texts::{shown, tr};
+use crate::body::marks::Marks;
+use crate::body::propose::propose;
 use crate::body::read::{self, Format, Read};
 use crate::clinical::Draft;
 use crate::scene::{MAX_SCENE_BYTES, Scene};
@@ -119,8 +121,8 @@ fn word_of_name(text: &str) -> String {
 pub(crate) enum FileEvent {
     /// The text of a file that was read.
     Opened { name: String, text: String },
-    /// A body's surface.
-    Surface { name: String, read: Box<Read> },
+    /// A body's surface, and its marks as its shape suggests them.
+    Surface { name: String, read: Box<Read>, proposed: Option<Box<Marks>> },
     /// The name of a file that was written.
     Saved(String),
     /// An error message of one line.
@@ -320,7 +322,10 @@ fn content_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
     };
     if is_surface(&name) {
         return match read::read(&bytes, &name) {
-            Ok(read) => FileEvent::Surface { name, read: Box::new(read) },
+            Ok(read) => {
+                let proposed = propose(&read.surface).ok().map(Box::new);
+                FileEvent::Surface { name, read: Box::new(read), proposed }
+            }
             Err(error) => FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error)),
         };
     }

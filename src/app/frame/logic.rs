@@ -12,12 +12,10 @@ use crate::app::texts::{self, tr};
 use crate::app::widgets::theme;
 use crate::app::widgets::{drop_typed_number, note_cancelled_press};
 use crate::app::{App, Panels, plan};
-use crate::clinical::is_practice_table;
 use crate::measure::no_shape;
 use crate::scene::Scene;
 use crate::session::{Command, CommandError, Pin, Session};
 use crate::solve::Progress;
-use crate::view::camera::View;
 use eframe::egui::{self, Key, Modifiers, Rect, Ui};
 use web_time::{Duration, Instant};
 
@@ -366,8 +364,8 @@ impl App {
                         .and_then(|plan| self.open(plan).map_err(|error| error.to_string()));
                     self.show_opened(opened, &name, tr!("Opened {name}.", name))
                 }
-                FileEvent::Surface { name, read } => {
-                    self.open_scan(name, *read);
+                FileEvent::Surface { name, read, proposed } => {
+                    self.open_scan(name, *read, proposed.map(|marks| *marks));
                     continue;
                 }
                 FileEvent::Saved(name) => {
@@ -376,46 +374,6 @@ impl App {
                 }
                 FileEvent::Failed(error) => Notice::error(error),
             });
-        }
-    }
-
-    /// Takes a practice table, or opens the preview of a table of sizes. Returns what there is to say.
-    pub(crate) fn read_table(&mut self, name: &str, text: &str) -> Option<Notice> {
-        if is_practice_table(text) {
-            let practices = &mut self.shared.practices;
-            return Some(match practices.read(text) {
-                Ok(()) => Notice::info(tr!(
-                    "The practice table of {name} is in use: {rows} base widths.",
-                    name,
-                    rows = practices.table().starts().len()
-                )),
-                Err(error) => Notice::error(tr!(
-                    "{name} was not read; the practice table is unchanged. {error}.",
-                    name,
-                    error = texts::shown(&error)
-                )),
-            });
-        }
-        self.panels.range.read_shelf(name, text)
-    }
-
-    /// Shows all of an opened plan. Returns the notice: `done`, or why what has the `name` was not opened.
-    pub(crate) fn show_opened(
-        &mut self,
-        opened: Result<(), String>,
-        name: &str,
-        done: String,
-    ) -> Notice {
-        match opened {
-            Ok(()) => {
-                self.shared.viewport.fit(&self.shared.session, View::All);
-                Notice::info(done)
-            }
-            Err(error) => Notice::error(tr!(
-                "{name} was not opened; the plan is unchanged. {error}",
-                name,
-                error
-            )),
         }
     }
 

@@ -200,10 +200,10 @@ mod tests {
     #[test]
     fn words_in_any_order_find_a_command_and_names_come_before_descriptions() {
         assert_eq!(names("").len(), COMMANDS.len());
-        assert_eq!(names("")[0], "Open plan…");
+        assert_eq!(names("")[0], "Open plan or scan…");
         assert_eq!(names("  RULER ")[0], "Ruler");
         assert_eq!(names("picture save")[0], "Save picture (PNG)…");
-        assert_eq!(names("plan")[0], "Open plan…");
+        assert_eq!(names("plan")[0], "Open plan or scan…");
         assert!(names("undo")[0] == "Undo" && names("undo").contains(&"Start over"));
         assert!(
             ["stock", "table of sizes"].iter().all(|text| names(text)[0] == "Open sizes in stock…")

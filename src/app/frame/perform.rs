@@ -8,9 +8,10 @@ use super::ui::Windows;
 use super::{files, link};
 use crate::app::paper::report::{Choice, ReportDialog};
 use crate::app::paper::{numbers, report};
-use crate::app::texts::{Language, language, set_language, tr};
+use crate::app::picture::viewport::Before;
+use crate::app::texts::{self, Language, language, set_language, tr};
 use crate::app::{App, plan};
-use crate::clinical::Dimension;
+use crate::clinical::{Dimension, is_practice_table};
 use crate::export;
 use crate::measure::meridians;
 use crate::scene::Scene;
@@ -69,7 +70,7 @@ impl App {
             Task::OpenPlan => self.files.open(ctx),
             Task::OpenTable => self.files.open_table(ctx),
             Task::SavePlan => {
-                let text = session.document_json();
+                let text = self.shared.document();
                 self.files.save(ctx, &self.name_with_visit("json"), text);
             }
             Task::SaveNumbers => {
@@ -109,6 +110,10 @@ impl App {
             Task::Areola => *options.areola_mut() = !options.has_areola(),
             Task::CrossSection => *show_strip = !*show_strip,
             Task::Torso => viewport.change(session, options, |o| o.torso = !o.torso),
+            Task::KeepSurface => self.shared.keep_surface = !self.shared.keep_surface,
+            Task::ShowBefore(way) => {
+                options.before = if options.before == way { Before::Off } else { way };
+            }
             Task::Ruler => {
                 self.panels.range.is_open = false;
                 viewport.toggle_ruler();
@@ -146,6 +151,46 @@ impl App {
     pub(crate) fn replace(&mut self, scene: Scene) {
         self.edits.gesture += 1;
         self.execute(Command::Edit { scene: Box::new(scene), gesture: self.edits.gesture });
+    }
+
+    /// Takes a practice table, or opens the preview of a table of sizes. Returns what there is to say.
+    pub(crate) fn read_table(&mut self, name: &str, text: &str) -> Option<Notice> {
+        if is_practice_table(text) {
+            let practices = &mut self.shared.practices;
+            return Some(match practices.read(text) {
+                Ok(()) => Notice::info(tr!(
+                    "The practice table of {name} is in use: {rows} base widths.",
+                    name,
+                    rows = practices.table().starts().len()
+                )),
+                Err(error) => Notice::error(tr!(
+                    "{name} was not read; the practice table is unchanged. {error}.",
+                    name,
+                    error = texts::shown(&error)
+                )),
+            });
+        }
+        self.panels.range.read_shelf(name, text)
+    }
+
+    /// Shows all of an opened plan. Returns the notice: `done`, or why what has the `name` was not opened.
+    pub(crate) fn show_opened(
+        &mut self,
+        opened: Result<(), String>,
+        name: &str,
+        done: String,
+    ) -> Notice {
+        match opened {
+            Ok(()) => {
+                self.shared.viewport.fit(&self.shared.session, View::All);
+                Notice::info(done)
+            }
+            Err(error) => Notice::error(tr!(
+                "{name} was not opened; the plan is unchanged. {error}",
+                name,
+                error
+            )),
+        }
     }
 
     /// Executes a command of the session and reports its error, if any.

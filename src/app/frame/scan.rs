@@ -8,6 +8,7 @@ use crate::app::plan::Hand;
 use crate::app::scan::{Choice, Scan};
 use crate::app::texts::tr;
 use crate::app::{App, widgets::theme};
+use crate::body::marks::Marks;
 use crate::body::read::Read;
 use crate::scene::Scene;
 use crate::session::Command;
@@ -30,12 +31,12 @@ pub(super) fn is_marks(text: &str) -> bool {
 
 impl App {
     /// Opens the step for the surface of a file.
-    pub(crate) fn open_scan(&mut self, name: String, read: Read) {
+    pub(crate) fn open_scan(&mut self, name: String, read: Read, proposed: Option<Marks>) {
         let plan = self.shared.session.scene();
         self.notice = None;
         self.insertion.stop();
         self.panels.range.is_open = false;
-        self.scan = Some(Scan::new(name, read, plan));
+        self.scan = Some(Scan::new(name, read, proposed, plan));
         let early = self.early_marks.take().filter(|early| early.0.elapsed() < READING);
         if let Some(EarlyMarks(_, name, text)) = early {
             self.notice = self.read_marks(&name, &text);

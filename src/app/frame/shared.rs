@@ -43,6 +43,8 @@ pub(crate) struct Shared {
     pub(crate) solving: Option<RunningSolve>,
     /// Is the cross-section shown under the picture where there is room?
     pub(crate) show_strip: bool,
+    /// Does the file of the plan keep the surface of her body?
+    pub(crate) keep_surface: bool,
     /// The chosen plane of the cross-section.
     pub(crate) chosen_plane: Option<SectionPlane>,
     /// Is the switch "Research" on?
@@ -52,6 +54,20 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
+    /// The file of the plan, with or without the surface of her body.
+    pub(crate) fn document(&self) -> String {
+        match self.keep_surface {
+            true => self.session.document_json(),
+            false => self.session.document_json_without_surface(),
+        }
+    }
+
+    /// Has the plan the surface of her body?
+    pub(crate) fn has_surface(&self) -> bool {
+        let placement = self.session.scene().placement.as_ref();
+        placement.is_some_and(|placement| placement.surface.is_some())
+    }
+
     /// The plane of the cross-section: the chosen one, else that in which the implant shows its shape.
     pub(crate) fn section_plane(&self) -> SectionPlane {
         self.chosen_plane.unwrap_or_else(|| SectionPlane::of(self.session.scene()))

@@ -77,6 +77,9 @@ fn file_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
             Task::TakeHome(Purpose::Report),
         ] {
             menu_item(ui, shared, task, actions);
+            if task == Task::SavePlan && shared.has_surface() {
+                menu_item(ui, shared, Task::KeepSurface, actions);
+            }
         }
         if shared.page_address.is_some() {
             menu_item(ui, shared, Task::CopyLink, actions);

@@ -1,7 +1,7 @@
 //! The controls of the picture, on the picture: what it is about, the standard views, on a narrow screen the menu of all else.
 
 use super::view_menu::{VIEWS, view_menu};
-use super::viewport::{Options, PictureSubject};
+use super::viewport::{Before, Options, PictureSubject};
 use crate::app::frame::action::{Action, Task};
 use crate::app::frame::commands::{entry_of, item};
 use crate::app::frame::shared::Shared;
@@ -38,6 +38,7 @@ pub(crate) fn show(
                 for view in VIEWS {
                     item(ui, shared, Task::Look(view), actions);
                 }
+                before_switch(ui, shared, actions);
                 cut_direction(ui, shared, actions);
             }
         }
@@ -60,6 +61,22 @@ fn subject_switch(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
             }
         }
     });
+}
+
+/// The switches of the body before, where a body is drawn.
+fn before_switch(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
+    if !shared.options.has_torso() {
+        return;
+    }
+    ui.add_space(theme::SPACE);
+    for way in [Before::Beside, Before::Wipe] {
+        let (task, is_on) = (Task::ShowBefore(way), shared.options.before == way);
+        let entry = entry_of(task);
+        let button = egui::Button::selectable(is_on, tr(entry.name)).frame_when_inactive(true);
+        if ui.add(button).on_hover_text(tr(entry.tooltip)).clicked() {
+            actions.push(Action::Run(task));
+        }
+    }
 }
 
 /// The field of the cut's direction \[°\], for research and for another direction than the usual one.

@@ -2,7 +2,7 @@
 //!
 //! Uses `action`, `commands`, `shared`, `texts`, `viewport`, `widgets`. Used by `toolbar`, `view_bar`.
 
-use super::viewport::Options;
+use super::viewport::{Before, Options};
 use crate::app::frame::action::{Action, Task};
 use crate::app::frame::commands::{entry_of, menu_item};
 use crate::app::frame::shared::Shared;
@@ -36,6 +36,11 @@ pub(crate) fn view_menu(ui: &mut Ui, is_narrow: bool, shared: &Shared, actions: 
         }
         ui.menu_button(tr("Cut"), |ui| cuts(ui, &shared.options, actions));
         ui.menu_button(tr("Colours"), |ui| colours(ui, shared, actions));
+        if is_narrow && shared.options.has_torso() {
+            for way in [Before::Beside, Before::Wipe] {
+                menu_item(ui, shared, Task::ShowBefore(way), actions);
+            }
+        }
         for task in [Task::Areola, Task::Torso, Task::Grid, Task::Ruler] {
             menu_item(ui, shared, task, actions);
         }

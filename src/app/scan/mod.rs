@@ -31,33 +31,41 @@ pub(crate) struct Scan {
     points: Points,
     /// The mark that the next click sets, or that was touched last.
     chosen: usize,
+    /// Axes of the drawn body: across, head, front.
+    axes: DMat3,
     drawn: Rc<Torso>,
+    /// Are the marks those of a proposal that nobody has touched?
+    is_proposed: bool,
     /// The fit of the marks as they are, or why there is none; `None` until it is made.
     fitted: Option<Result<Box<BodyFit>, String>>,
 }
 
-/// The body of a surface as it is drawn before there are marks: y of the file to the head, z to the front.
-fn drawn(read: &Read) -> Rc<Torso> {
-    let middle = read.surface.bounds().map_or(DVec3::ZERO, |[least, most]| 0.5 * (least + most));
-    let frame = Frame { origin: middle, axes: DMat3::IDENTITY };
-    Rc::new(Torso::of_surface(&read.surface, frame, DVec3::Z, None))
+/// The body of a surface as it is drawn before it is fitted.
+fn drawn(read: &Read, axes: DMat3) -> Rc<Torso> {
+    let origin = read.surface.bounds().map_or(DVec3::ZERO, |[least, most]| 0.5 * (least + most));
+    Rc::new(Torso::of_surface(&read.surface, Frame { origin, axes }, axes.z_axis, None))
 }
 
 impl Scan {
-    /// The scan of a file for a plan.
-    pub(crate) fn new(name: String, read: Read, plan: &Scene) -> Self {
+    /// The scan of a file for a plan, with the marks that its shape suggests; without them y of the file is to the head, z to the front.
+    pub(crate) fn new(name: String, read: Read, proposed: Option<Marks>, plan: &Scene) -> Self {
         let side = if plan.is_right() { Side::Right } else { Side::Left };
         let (least, most) = COVER_MM;
         let pinch_mm = plan.measured().pinch_mm.unwrap_or(2.0 * plan.tissue_mm());
-        let drawn = drawn(&read);
+        let axes = proposed.and_then(|marks| marks.axes().ok());
+        let axes = axes
+            .map_or(DMat3::IDENTITY, |axes| DMat3::from_cols(axes.across, axes.head, axes.front));
+        let drawn = drawn(&read, axes);
         Self {
             name,
             read,
             side,
             pinch_mm: pinch_mm.clamp(2.0 * least, 2.0 * most),
-            points: Points::default(),
+            points: proposed.map_or_else(Points::default, |marks| Points::of(&marks)),
             chosen: 0,
+            axes,
             drawn,
+            is_proposed: proposed.is_some(),
             fitted: None,
         }
     }
@@ -83,8 +91,15 @@ impl Scan {
         (0..COUNT).filter_map(dot).collect()
     }
 
+    /// Turns the drawn body about the axis across by a right angle.
+    fn turn(&mut self) {
+        self.axes *= DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y);
+        self.drawn = drawn(&self.read, self.axes);
+    }
+
     /// Takes what the user did in the picture.
     pub(crate) fn touch(&mut self, touched: Touched) {
+        self.is_proposed &= matches!(touched, Touched::Chosen(_));
         let place = |at: glam::Vec3| self.drawn.frame().point(at.as_dvec3());
         let set = |k: usize| (0..COUNT).filter(|m| self.points.get(*m, self.side).is_some()).nth(k);
         match touched {
@@ -122,6 +137,7 @@ impl Scan {
     pub(crate) fn take_marks(&mut self, text: &str) -> Result<(), String> {
         let marks = Marks::from_json(text).map_err(|error| error.to_string())?;
         self.points.set_all(&marks.scaled(self.read.unit.factor()));
+        self.is_proposed = false;
         self.chosen = self.points.missing(self.side).unwrap_or(0);
         self.fitted = None;
         Ok(())
@@ -130,7 +146,7 @@ impl Scan {
     fn set_unit(&mut self, unit: Unit) {
         self.points.scale(unit.factor() / self.read.unit.factor());
         self.read.set_unit(unit);
-        self.drawn = drawn(&self.read);
+        self.drawn = drawn(&self.read, self.axes);
         self.fitted = None;
     }
 
@@ -170,7 +186,9 @@ impl Scan {
         if kept.is_err() {
             words.push(tr("The implant of the plan does not fit here: the usual one.").to_owned());
         }
-        Ok((kept.unwrap_or(fitted), words.join(" ")))
+        let mut scene = kept.unwrap_or(fitted);
+        scene.keep_surface(&self.read.surface).map_err(|error| shown(&error.to_string()))?;
+        Ok((scene, words.join(" ")))
     }
 }
 

@@ -129,9 +129,19 @@ impl Scan {
                 }
                 tr!("Click on her body: {mark}.", mark = points::name(self.chosen).0)
             }
+            None if self.is_proposed => {
+                tr("The marks are proposed: check each, drag those that are off.").to_owned()
+            }
             None => tr("Drag a dot, or move it by the arrow keys (Shift: 1 cm).").to_owned(),
         };
         ui.add(egui::Label::new(RichText::new(words).strong()).wrap());
+        // Without marks nothing tells the axes.
+        if (0..COUNT).all(|mark| self.points.get(mark, self.side).is_none()) {
+            remark(ui, tr("No breasts were recognised. The body should stand upright here."));
+            if ui.button(tr("Turn the body")).clicked() {
+                self.turn();
+            }
+        }
         chips(ui, |ui| {
             for mark in 0..COUNT {
                 let (name, word) = points::name(mark);

@@ -47,6 +47,14 @@ pub(super) fn name(mark: usize) -> (&'static str, &'static str) {
 }
 
 impl Points {
+    /// The marks of a proposal, without a history.
+    pub(super) fn of(marks: &Marks) -> Self {
+        let mut points = Self::default();
+        points.set_all(marks);
+        points.before.clear();
+        points
+    }
+
     pub(super) fn get(&self, mark: usize, side: Side) -> Option<DVec3> {
         self.at[index(mark, side)]
     }
@@ -59,7 +67,7 @@ impl Points {
         self.at[index(mark, side)] = Some(at);
     }
 
-    /// Sets all marks of a file or of a proposal, as a step of the history.
+    /// Sets all marks of a file, as a step of the history.
     pub(super) fn set_all(&mut self, marks: &Marks) {
         self.keep();
         let Marks { sternal_notch, navel, nipples: [left, right], breasts } = *marks;

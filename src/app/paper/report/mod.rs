@@ -20,7 +20,7 @@ use crate::app::answer::{self, PreviousResults};
 use crate::app::answer::{no_answer, plots};
 use crate::app::frame::shared::Shared;
 use crate::app::frame::{files, status};
-use crate::app::picture::viewport::{Options, Shown};
+use crate::app::picture::viewport::{Before, Options, Shown};
 use crate::app::plan;
 use crate::app::plan::device::Device;
 use crate::app::range::Range;
@@ -41,6 +41,8 @@ const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's a
 /// and pins side by side, of the cross-section, which its drawing fills, of cross-section and range of half the page's width. The texts of a
 /// broader picture would be too small to read.
 const POSE: (Vec2, f32) = (vec2(270.0, 260.0), 3.5);
+/// Height of a pose before and after, one over the other \[points\].
+const BOTH: f32 = 470.0;
 const PINS: (Vec2, f32) = (vec2(700.0, 180.0), 2.5);
 const SECTION: (Vec2, f32) = (vec2(560.0, 330.0), 2.5);
 const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
@@ -79,11 +81,17 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
 
 /// The pictures of the report with what belongs to them.
 fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
+    let shared_has_surface = shared.has_surface();
     let Shared { session, compare, uncertainty, viewport, choices, practices, .. } = shared;
     let (session, compare, device) = (&*session, &*compare, choices.device);
     let practices = &*practices;
     // The same views in every report, whatever the screen shows.
-    let options = Options::default();
+    let mut options = Options::default();
+    let mut pose_size = POSE;
+    if shared_has_surface {
+        options.before = Before::Beside;
+        pose_size.0.y = BOTH;
+    }
     let standing = |standing| Shown {
         is_on_paper: true,
         standing: Some(standing),
@@ -107,7 +115,7 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
             let names =
                 [tr("From the front"), tr("Three-quarter view"), tr("From the patient's side")];
             for (pose, name) in Standing::ALL.into_iter().zip(names) {
-                poses.push(take(name, POSE, &mut |ui| viewport.show(ui, standing(pose)))?);
+                poses.push(take(name, pose_size, &mut |ui| viewport.show(ui, standing(pose)))?);
             }
         }
         let mut pins = None;
@@ -202,7 +210,7 @@ pub(crate) fn report(
         bands: uncertainty.about_bands(session.scene()),
         steps: filling.steps(session.scene()),
         limits: answer::limits_in_words(session, practices, device, rule_in_short).to_vec(),
-        plan_json: session.document_json(),
+        plan_json: shared.document(),
     };
     Ok(page.html())
 }

@@ -2,6 +2,7 @@
 //!
 //! Without GL (in tests, without WebGL 2) only the picture itself is missing.
 
+mod before;
 mod directions;
 mod envelope;
 mod marks;
@@ -14,6 +15,7 @@ mod renderer;
 mod scan;
 mod torso;
 
+pub(crate) use before::Before;
 pub(crate) use envelope::Outline;
 pub(crate) use marks::labelled_box;
 pub(crate) use options::{Options, Subject as PictureSubject};
@@ -128,6 +130,8 @@ pub(crate) struct Viewport {
     bodies: Vec<(Box<Placement>, Rc<Torso>)>,
     /// The body of a scan that was shown last.
     scanned: Option<Rc<Torso>>,
+    /// Place of the border between before and after, from the left \[-\].
+    wipe: f32,
     /// The pins' pictures beside the picture.
     panes: Vec<Pane>,
     /// Colour table of all pictures side by side.
@@ -152,6 +156,7 @@ fn meshes_of(picture: &Picture) -> [Arc<Mesh>; 5] {
 }
 
 /// What is drawn in an area.
+#[derive(Clone)]
 struct Drawn<'a> {
     /// The number of the picture, and the numbers of all pictures in use.
     number: u64,
@@ -189,6 +194,7 @@ impl Viewport {
             torso: None,
             bodies: Vec::new(),
             scanned: None,
+            wipe: 0.5,
             panes: Vec::new(),
             common_table: Arc::default(),
             start: Instant::now(),
@@ -289,9 +295,15 @@ impl Viewport {
         let Shown { options, practices, envelope, outlines, bar, .. } = shown;
         self.panes.clear();
         self.leave_scan();
-        let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
-        let response = self.interact(ui, area);
+        let (_, whole) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let torso = self.torso(options, session.scene());
+        let way = if torso.is_some() { options.before } else { Before::Off };
+        let [before, area] = match way {
+            Before::Beside => before::halves(whole),
+            Before::Off | Before::Wipe => [whole; 2],
+        };
+        let beside = (way == Before::Beside).then(|| self.interact_before(ui, before));
+        let response = self.interact(ui, area);
         let ball = wall::ball(session.problem());
         self.place_camera(ball, area.width() / area.height(), torso.as_deref());
         if let Some(standing) = shown.standing {
@@ -308,7 +320,8 @@ impl Viewport {
         let up_to_date = self.picture.update(session, colouring, section, &clock);
         self.picture.update_torso(session, torso.as_ref());
         let moved = self.move_camera(ui, &response, area);
-        if moved || self.camera.is_easing() || !up_to_date {
+        let moved_beside = beside.is_some_and(|response| self.move_camera(ui, &response, before));
+        if moved || moved_beside || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
         if !ui.is_rect_visible(area) {
@@ -319,7 +332,7 @@ impl Viewport {
         let scale = self.picture.scale.as_ref();
         let drawn = Drawn {
             number: CURRENT,
-            numbers: Arc::new([CURRENT]),
+            numbers: before::numbers(way),
             meshes: meshes_of(&self.picture),
             nodes_per_side: self.picture.body.nodes_per_side,
             table: &self.picture.table,
@@ -330,7 +343,17 @@ impl Viewport {
             areola: options.areola(),
             pocket_line: options.has_pocket_line(),
         };
-        self.draw(ui, &painter, area, drawn);
+        let mesh_before = self.picture.before().cloned().filter(|_| way != Before::Off);
+        let (words, wipe) = match mesh_before {
+            Some(mesh) => {
+                self.draw(ui, &painter, area, drawn.clone());
+                self.draw_before(ui, (&mesh, drawn), [before, area], (way, whole.top() + bar))
+            }
+            None => {
+                self.draw(ui, &painter, area, drawn);
+                (Vec::new(), self.wipe)
+            }
+        };
         self.draw_envelope(ui, &painter, area, (session, section), envelope);
         for outline in outlines {
             for line in outline.lines(section, self.camera.pose().azimuth) {
@@ -345,13 +368,15 @@ impl Viewport {
             let scale = of_legend(scale, session.scene(), practices);
             overlay::legend(ui, &painter, free, bar, &scale)
         };
-        let taken = [scale.map_or(Rect::NOTHING, legend), bar];
+        let mut taken = vec![scale.map_or(Rect::NOTHING, legend), bar];
+        taken.extend(words);
         let (right, up) = self.camera.right_and_up();
         let words = directions::words(right, up, self.picture.torso.is_some());
         let taken = overlay::directions(ui, &painter, free, &words, &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section, taken: &taken };
         let click = self.show_marks(ui, &response, &marked);
+        self.wipe = wipe;
         self.click(click);
     }
 

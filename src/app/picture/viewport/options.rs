@@ -1,5 +1,6 @@
 //! Display options of the picture.
 
+use super::before::Before;
 use super::renderer::Areola;
 use crate::view::quantity::Quantity;
 
@@ -46,6 +47,8 @@ pub(crate) struct Options {
     pub(crate) areola_edge: bool,
     /// Draw a torso with both breasts in place of the tissue, where it is not cut?
     pub(crate) torso: bool,
+    /// How the body before is shown, where a body is drawn.
+    pub(crate) before: Before,
 }
 
 impl Options {
@@ -105,6 +108,7 @@ impl Default for Options {
             areola: true,
             areola_edge: false,
             torso: true,
+            before: Before::Off,
         }
     }
 }

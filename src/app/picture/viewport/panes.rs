@@ -218,8 +218,13 @@ impl Viewport {
     ) -> bool {
         let start = self.start;
         let clock = || start.elapsed().as_secs_f64();
-        let bodies: Vec<Option<Rc<Torso>>> =
-            pins.iter().map(|shape| self.torso(options, shape.scene())).collect();
+        let bodies: Vec<Option<Rc<Torso>>> = pins
+            .iter()
+            .map(Subject::scene)
+            // A pin has no body of its own: on the same wall it is the present one.
+            .map(|scene| if scene.is_on_wall_of(session.scene()) { session.scene() } else { scene })
+            .map(|scene| self.torso(options, scene))
+            .collect();
         for ((pane, shape), body) in self.panes.iter_mut().zip(pins).zip(&bodies) {
             // A quantity of layered tissue has no values in a sheet.
             let is_known = options.quantity.is_of(shape.scene());

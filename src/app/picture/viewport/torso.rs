@@ -23,10 +23,13 @@ impl Viewport {
         if !options.has_torso() {
             return None;
         }
-        if let Some(placement) = &scene.placement
-            && let Some((_, body)) = self.bodies.iter().find(|(known, _)| known == placement)
-        {
-            return Some(Rc::clone(body));
+        if let Some(placement) = &scene.placement {
+            if let Some(kept) = &placement.surface {
+                self.add_body(placement, kept.surface());
+            }
+            if let Some((_, body)) = self.bodies.iter().find(|(known, _)| known == placement) {
+                return Some(Rc::clone(body));
+            }
         }
         if self.torso.is_none() {
             self.torso = Torso::new().map(Rc::new);
