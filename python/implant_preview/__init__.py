@@ -25,14 +25,21 @@ from . import _native
 from ._native import SceneError
 
 __all__ = [
+    "Body",
+    "Deformed",
+    "Fitted",
     "SceneError",
     "Shape",
     "bands",
     "curve",
     "default_scene",
+    "deform",
+    "fit_body",
     "map",
     "opening_scene",
+    "propose_marks",
     "quantities",
+    "read_body",
     "schema",
     "shape",
     "solve",
@@ -356,3 +363,100 @@ def shape(scene: Scene) -> Shape:
     """
     found = _native.shape(_text(scene))
     return Shape(_result(found["result"]), found["points"], found["triangles"], found["fields"])
+
+
+class Body(NamedTuple):
+    """The surface of a body."""
+
+    positions: npt.NDArray[np.float64]
+    """Positions of the vertices [mm], shape (vertices, 3), in the axes of the file."""
+    triangles: npt.NDArray[np.uint32]
+    """Vertices of each triangle, counter-clockwise seen from outside, shape (triangles, 3)."""
+    unit: str
+    """Unit of the file's lengths, by the extent of the surface: ``"mm"``, ``"cm"`` or ``"m"``."""
+    notes: list[str]
+    """What was dropped, split or turned."""
+
+
+class Fitted(NamedTuple):
+    """A fitted side of a body."""
+
+    scene: dict[str, Any]
+    """The scene, with the implant and the skin of the opening plan, as of the command ``scan``; its ``body`` has the place."""
+    quality: dict[str, Any]
+    """Figures of the fit (docs/command-line.md, ``scan``) and ``warnings``."""
+
+
+class Deformed(NamedTuple):
+    """A body over an implant."""
+
+    result: dict[str, Any]
+    """The result of the scene, as of :func:`solve`."""
+    positions: npt.NDArray[np.float64]
+    """Positions of the same vertices [mm], shape (vertices, 3); those outside of the patch keep their bits."""
+
+
+def read_body(path_or_bytes: str | os.PathLike[str] | bytes) -> Body:
+    """Reads the surface of a body: PLY, STL, OBJ or GLB, cleaned.
+
+    Raises :class:`SceneError` with one line for a file that is no surface.
+    """
+    if isinstance(path_or_bytes, bytes):
+        content, name = path_or_bytes, ""
+    else:
+        name = os.fspath(path_or_bytes)
+        with open(path_or_bytes, "rb") as file:
+            content = file.read()
+    found = _native.read_body(content, name)
+    return Body(found["positions"], found["triangles"], found["unit"], found["notes"])
+
+
+def propose_marks(positions: npt.ArrayLike, triangles: npt.ArrayLike) -> dict[str, list[float]]:
+    """Proposes marks of a body by its shape, for a surgeon to correct: points [mm] by their names, of both sides.
+
+    On torsos of known marks nipples are within 15 mm, the others mostly within 25 mm.
+
+    Raises :class:`SceneError` with one line for a surface without two breasts.
+    """
+    return _object(_native.propose_marks(*_surface(positions, triangles)))
+
+
+def fit_body(
+    positions: npt.ArrayLike,
+    triangles: npt.ArrayLike,
+    marks: Mapping[str, Sequence[float]],
+    side: str,
+    cover_mm: float = 10.0,
+) -> Fitted:
+    """Fits a side of a body, as the command ``scan`` does.
+
+    ``positions`` [mm] of shape (vertices, 3), ``triangles`` of shape (triangles, 3); ``marks``: points [mm] by their names, those of ``scan``;
+    ``side``: ``"left"`` or ``"right"``, the patient's; ``cover_mm``: thickness of the tissue beside the breast, 6 to 30 mm.
+
+    Raises :class:`SceneError` with one line for marks or a surface that do not fit.
+    """
+    found = _native.fit_body(*_surface(positions, triangles), _text(marks), side, float(cover_mm))
+    return Fitted(_object(found["scene"]), found["quality"])
+
+
+def deform(scene: Scene, positions: npt.ArrayLike, triangles: npt.ArrayLike) -> Deformed:
+    """Solves a scene of :func:`fit_body`; returns the positions of the body's vertices over the implant.
+
+    Raises :class:`SceneError` as :func:`solve` does, and for a scene without ``body``; ``RuntimeError`` for a scene without a shape.
+    """
+    found = _native.deform(_text(scene), *_surface(positions, triangles))
+    return Deformed(_result(found["result"]), found["positions"])
+
+
+def _surface(
+    positions: npt.ArrayLike, triangles: npt.ArrayLike
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+    """The arrays of a surface."""
+    points: npt.NDArray[np.float64] = np.ma.filled(np.ma.asarray(positions, dtype=float), np.nan)
+    corners = np.asarray(triangles)
+    for name, array in (("positions", points), ("triangles", corners)):
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise SceneError(f"{name} has the shape {array.shape}; allowed: (number, 3)")
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise SceneError(f"triangles has numbers of type {corners.dtype}; allowed: whole numbers")
+    return np.ascontiguousarray(points), np.ascontiguousarray(corners, dtype=np.int64)

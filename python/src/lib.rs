@@ -3,6 +3,7 @@
 //! `implant_preview/__init__.py` has the functions that users call. Long calls hold no interpreter lock, and Ctrl+C ends them at once:
 //! all solves run on threads of their own, and the calling thread asks for signals while it waits.
 
+mod body;
 mod curve;
 mod interrupt;
 mod pool;
@@ -74,6 +75,8 @@ fn json(value: &impl serde::Serialize) -> String {
 mod _native {
     #[pymodule_export]
     use super::SceneError;
+    #[pymodule_export]
+    use super::body::{deform, fit_body, propose_marks, read_body};
     #[pymodule_export]
     use super::curve::curve;
     #[pymodule_export]
