@@ -32,9 +32,10 @@ pub(super) struct Level<M: ElasticModel> {
     correction: Field,
     /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
-    /// The change of the last cycle of this grid, and its result before mixing; empty on coarser grids of a sheet.
-    pub(super) last_update: Field,
-    pub(super) last_result: Field,
+    /// The changes of the last two cycles of this grid, the last one first, and their results before mixing; empty on grids that mix
+    /// fewer results.
+    pub(super) last_updates: [Field; 2],
+    pub(super) last_results: [Field; 2],
     /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
     pub(super) tau: Option<Field>,
     pub(super) inverse: M::Stiffness,
@@ -55,6 +56,7 @@ impl<M: ElasticModel> Level<M> {
         nodes_per_side: usize,
         mirrored: Mirrored,
         is_finest: bool,
+        kept_changes: usize,
         model: &M,
     ) -> Self {
         let mut layout = Layout::new(nodes_per_side, mirrored);
@@ -64,7 +66,8 @@ impl<M: ElasticModel> Level<M> {
         let length = layout.len();
         let layers = model.layers();
         let field = || Field::new(length, layers);
-        let mixed = || if is_finest || layers > 1 { field() } else { Field::default() };
+        let kept = |k: usize| if k < kept_changes { field() } else { Field::default() };
+        let mixed = || [0, 1].map(kept);
         let nowhere =
             Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, HalfBall::round(1.0, 1.0), 1.0));
         Self {
@@ -75,8 +78,8 @@ impl<M: ElasticModel> Level<M> {
             are_forces_current: false,
             correction: if layers > 1 { field() } else { Field::default() },
             before: field(),
-            last_update: mixed(),
-            last_result: mixed(),
+            last_updates: mixed(),
+            last_results: mixed(),
             tau: (!is_finest).then(field),
             inverse: M::Stiffness::new(length, layers),
             active: vec![0.0; length],
@@ -155,8 +158,8 @@ impl<M: ElasticModel> Level<M> {
     }
 
     /// Mixes the model's constraints: see [`ElasticModel::mix`].
-    pub(super) fn mix_constraints(&mut self, model: &M, theta: Option<f32>) {
-        model.mix(&mut self.scratch, theta);
+    pub(super) fn mix_constraints(&mut self, model: &M, thetas: [f32; 2]) {
+        model.mix(&mut self.scratch, thetas);
     }
 
     /// Interpolates the model's constraints from a coarser grid.
@@ -342,7 +345,7 @@ mod tests {
                 let law = SheetLaw::new(springs, &materials);
                 let rest = Rest::of_sheet(Sheet::new(n, (n / 2) as f64));
                 let sheet = rest.sheet();
-                let mut level = Level::new(n, mirrored, true, &Membrane::new(&law));
+                let mut level = Level::new(n, mirrored, true, 0, &Membrane::new(&law));
                 let first = level.layout.first();
                 // A bulge with ripples, symmetric about both axes.
                 let bulge = |p: DVec2| {
@@ -451,7 +454,7 @@ mod tests {
         }
         for mirrored in [[false; 2], [true, false], [true; 2]] {
             let model = Layered::new(&law, &rest, pocket_radius, attachment);
-            let mut level = Level::new(n, mirrored, true, &model);
+            let mut level = Level::new(n, mirrored, true, 0, &model);
             level.fit(&model, sheet.spacing_mm(), &rest);
             let Level { layout, u, .. } = &mut level;
             let first = layout.first();
