@@ -384,10 +384,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// u ← g − θ₁(g − g′) − θ₂(g − g″), of two cycles θ₁ = ⟨r, r − r′⟩/⟨r − r′, r − r′⟩.
     fn mix(&mut self) {
         let level = &mut self.levels[self.grid];
-        let Level { layout, u, before, last_updates, last_results, .. } = level;
+        let Level { layout, u, before, last_cycles, .. } = level;
         let Convergence { updates, cycles, last_product, unmixed_rates, .. } =
             &mut self.convergence;
-        let [product, square, own] = layout.products(u, before, &last_updates[0]);
+        let [product, square, own] = layout.products(u, before, &last_cycles[0].change);
         let theta = (own - product) / (own - 2.0 * product + square);
         // θ = ρ/(ρ − 1) for changes that fall by a factor ρ.
         if *updates > 0 && theta < 0.0 {
@@ -397,9 +397,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let (least, most) = self.parameters.mixing_bounds;
         let is_known = *updates > 0 && theta.is_finite();
         let mut thetas = [if is_known { theta.clamp(least, most) } else { 0.0 }, 0.0];
-        let keeps_two = !last_updates[1].x.is_empty();
-        if keeps_two && *updates > 1 && *cycles >= self.parameters.three_mixed_from {
-            let [older, older_square, _] = layout.products(u, before, &last_updates[1]);
+        let has_many = *updates > 1 && *cycles >= self.parameters.three_mixed_from;
+        if let Some(older) = last_cycles.get(1).filter(|_| has_many) {
+            let [older, older_square, _] = layout.products(u, before, &older.change);
             // Products of r − r′ and r − r″ with each other, and with r.
             let squares = [own - 2.0 * product + square, own - 2.0 * older + older_square];
             let mixed = own - product - older + *last_product;
@@ -409,19 +409,16 @@ impl<M: ElasticModel> FullMultigrid<M> {
         *last_product = product;
         *updates += 1;
         let thetas = thetas.map(|theta| theta as f32);
-        if keeps_two {
-            last_updates.swap(0, 1);
-        }
-        last_updates[0].set_difference(u, before);
+        // The place of the oldest cycle becomes that of this one.
+        let last = last_cycles.len() - 1;
+        last_cycles[last].change.set_difference(u, before);
         // The result of this cycle, which the next ones need.
         before.copy_from(u);
-        for (&theta, result) in thetas.iter().zip(&*last_results).filter(|(t, _)| **t != 0.0) {
-            u.add_scaled_difference(result, before, theta);
+        for (&theta, cycle) in thetas.iter().zip(&*last_cycles).filter(|(t, _)| **t != 0.0) {
+            u.add_scaled_difference(&cycle.result, before, theta);
         }
-        if keeps_two {
-            last_results.swap(0, 1);
-        }
-        last_results[0].copy_from(before);
+        last_cycles[last].result.copy_from(before);
+        last_cycles.rotate_right(1);
         if *updates > 1 {
             level.project_feasible();
         }

@@ -15,6 +15,15 @@ use std::sync::Arc;
 /// Distance of the factor of a correction from one up to which the correction stays as it is \[-\].
 const NEGLECTED_SCALING: f32 = 0.1;
 
+/// A cycle of a grid.
+#[derive(Clone, Debug)]
+pub(super) struct Cycle {
+    /// The change of the displacements.
+    pub(super) change: Field,
+    /// The displacements after the cycle, before mixing.
+    pub(super) result: Field,
+}
+
 /// A grid with its state and scratch.
 #[derive(Clone, Debug)]
 pub(super) struct Level<M: ElasticModel> {
@@ -32,10 +41,8 @@ pub(super) struct Level<M: ElasticModel> {
     correction: Field,
     /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
-    /// The changes of the last two cycles of this grid, the last one first, and their results before mixing; empty on grids that mix
-    /// fewer results.
-    pub(super) last_updates: [Field; 2],
-    pub(super) last_results: [Field; 2],
+    /// The last cycles of this grid whose results are mixed, the last one first.
+    pub(super) last_cycles: Vec<Cycle>,
     /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
     pub(super) tau: Option<Field>,
     pub(super) inverse: M::Stiffness,
@@ -56,7 +63,7 @@ impl<M: ElasticModel> Level<M> {
         nodes_per_side: usize,
         mirrored: Mirrored,
         is_finest: bool,
-        kept_changes: usize,
+        kept_cycles: usize,
         model: &M,
     ) -> Self {
         let mut layout = Layout::new(nodes_per_side, mirrored);
@@ -66,8 +73,7 @@ impl<M: ElasticModel> Level<M> {
         let length = layout.len();
         let layers = model.layers();
         let field = || Field::new(length, layers);
-        let kept = |k: usize| if k < kept_changes { field() } else { Field::default() };
-        let mixed = || [0, 1].map(kept);
+        let cycle = |_| Cycle { change: field(), result: field() };
         let nowhere =
             Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, HalfBall::round(1.0, 1.0), 1.0));
         Self {
@@ -78,8 +84,7 @@ impl<M: ElasticModel> Level<M> {
             are_forces_current: false,
             correction: if layers > 1 { field() } else { Field::default() },
             before: field(),
-            last_updates: mixed(),
-            last_results: mixed(),
+            last_cycles: (0..kept_cycles).map(cycle).collect(),
             tau: (!is_finest).then(field),
             inverse: M::Stiffness::new(length, layers),
             active: vec![0.0; length],

@@ -128,11 +128,11 @@ impl<M: ElasticModel> FullMultigrid<M> {
             .map(|(grid, &n)| {
                 let is_finest = n == nodes_per_side;
                 // Three results are mixed where many cycles are: on the first grid and the finest one.
-                let kept_changes = match model.layers() {
+                let kept_cycles = match model.layers() {
                     1 => usize::from(is_finest),
                     _ => 1 + usize::from(is_finest || grid <= parameters.first_grid),
                 };
-                Level::new(n, mirrored, is_finest, kept_changes, &model)
+                Level::new(n, mirrored, is_finest, kept_cycles, &model)
             })
             .collect();
         Self {
