@@ -175,7 +175,7 @@ fn a_visit_is_in_the_plans_file_only() {
     press(&mut harness, "Pin as A");
     type_into(&mut harness, "Volume (ml)", "340");
     press(&mut harness, "Pin as B");
-    let is_in = |text: &str| text.contains("4711") || text.contains("visit");
+    let is_in = |text: &str| text.contains("K. M. 4711") || text.contains("visit");
     let state = harness.state_mut();
     assert!(is_in(&state.session().document_json()));
     assert!(!is_in(&state.session().shared_document_json()));
