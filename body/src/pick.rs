@@ -1,7 +1,7 @@
 //! Points of a surface: where a ray meets it, which point of it is nearest. One pass over all triangles, no search tree.
 
 use crate::surface::Surface;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,20 +21,30 @@ impl OnSurface {
     }
 }
 
-/// The first point of a surface on a ray, on either side of a triangle; `None` for a ray beside the surface (Möller and Trumbore).
+/// The first point of a surface on a ray, on either side of a triangle; `None` for a ray beside the surface (Woop, Benthin and Wald 2013: no
+/// ray passes between two triangles of one edge or corner).
 #[must_use]
 pub fn first_hit(surface: &Surface, origin: DVec3, direction: DVec3) -> Option<OnSurface> {
+    let along = direction.abs().max_position();
+    let [i, j] = [1, 2].map(|k| (along + k) % 3);
+    let slope = DVec2::new(direction[i], direction[j]) / direction[along];
+    // Along the ray: a corner has one place, the same in all of its triangles.
+    let sheared = |corner: DVec3| {
+        let from = corner - origin;
+        (DVec2::new(from[i], from[j]) - slope * from[along], from[along] / direction[along])
+    };
     let (mut nearest, mut hit) = (f64::INFINITY, None);
     for (index, triangle) in surface.triangles.iter().enumerate() {
-        let [a, b, c] = surface.corners(*triangle);
-        let (u, v, from) = (b - a, c - a, origin - a);
-        let across = direction.cross(v);
-        let volume = u.dot(across);
-        let turned = from.cross(u);
-        let (s, t) = (from.dot(across) / volume, direction.dot(turned) / volume);
-        let way = v.dot(turned) / volume;
-        // A triangle along the ray has no finite numbers.
-        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 && way >= 0.0 && way < nearest {
+        let [a, b, c] = surface.corners(*triangle).map(sheared);
+        // Rounding makes a small area zero, of an edge's two triangles alike, but never changes its sign.
+        let areas = [b.0.perp_dot(c.0), c.0.perp_dot(a.0), a.0.perp_dot(b.0)];
+        if areas.iter().any(|area| *area < 0.0) && areas.iter().any(|area| *area > 0.0) {
+            continue;
+        }
+        let [s, t, u] = areas;
+        // A triangle along the ray has no finite way.
+        let way = (s * a.1 + t * b.1 + u * c.1) / (s + t + u);
+        if way >= 0.0 && way < nearest {
             (nearest, hit) = (way, Some(index as u32));
         }
     }
@@ -143,5 +153,46 @@ mod tests {
         assert!(hit.point.distance(nipple) < 1.0 && hit.normal.z > 0.5, "{hit:?}");
         let behind = first_hit(&torso.surface, nipple + DVec3::Z * 300.0, DVec3::Z);
         assert_eq!(behind, None);
+    }
+
+    #[test]
+    fn a_ray_at_an_edge_or_a_corner_of_a_closed_surface_hits() {
+        // An octahedron, turned and stretched, each of its triangles cut into 64.
+        let mut random = fastrand::Rng::with_seed(6);
+        let turn = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, -0.7, 1.3);
+        let place = |p: DVec3| turn * (p.normalize() * DVec3::new(90.0, 140.0, 60.0));
+        let mut faces: Vec<[DVec3; 3]> = (0..8)
+            .map(|k| [1, 2, 4].map(|bit| if k & bit == 0 { 1.0 } else { -1.0 }))
+            .map(|[x, y, z]| [DVec3::X * x, DVec3::Y * y, DVec3::Z * z])
+            .collect();
+        for _ in 0..3 {
+            let cut = |[a, b, c]: [DVec3; 3]| {
+                let [ab, bc, ca] = [a + b, b + c, c + a].map(|sum| sum * 0.5);
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            };
+            faces = faces.into_iter().flat_map(cut).collect();
+        }
+        let positions = faces.iter().flatten().map(|p| place(*p)).collect();
+        let triangles = (0..faces.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let surface = Surface { positions, triangles, colors: None };
+        for triangle in &surface.triangles {
+            let [a, b, c] = surface.corners(*triangle);
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let origin = DVec3::from([0; 3].map(|_| 30.0 * (random.f64() - 0.5)));
+                for aim in [from, 0.5 * (from + to), from.lerp(to, random.f64())] {
+                    let hit = first_hit(&surface, origin, aim - origin);
+                    assert!(hit.is_some_and(|hit| hit.point.distance(aim) < 1e-9), "{hit:?}");
+                }
+            }
+        }
+        // A ray along an axis through the middle of an edge, exactly.
+        let [low, high] = [0.0, 10.0];
+        let positions = [(low, low), (high, low), (high, high), (low, high)];
+        let positions = positions.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+        let surface = Surface { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], colors: None };
+        for (x, is_hit) in [(0.0, true), (5.0, true), (10.0, true), (10.001, false)] {
+            let hit = first_hit(&surface, DVec3::new(x, x, 40.0), -DVec3::Z);
+            assert_eq!(hit.is_some(), is_hit, "{x}");
+        }
     }
 }
