@@ -2,7 +2,7 @@
 //!
 //! `axes`: the plane of symmetry and the poses that a trunk may have in it; of them the one with the best pair of breasts (`view`). The
 //! borders of a breast are where the skin leaves the bare chest (`border`). Errors on the built-in torso, shaped by tapes, turned and
-//! with noise, are within 15 mm at the nipples and within 25 mm at the other marks (`body/tests/propose.rs`).
+//! with noise, are within 10 mm at the nipples, 30 mm at notch and navel and 40 mm at the borders (`body/tests/propose.rs`).
 
 mod axes;
 mod border;
@@ -48,30 +48,15 @@ pub fn propose(surface: &Surface) -> Result<Marks, NoProposal> {
     }
     let orientation = if surface.signed_volume() < 0.0 { -1.0 } else { 1.0 };
     let subject = Subject { surface, welded: &welded, triangles: &triangles, orientation };
-    let mut best: Option<(f64, Front, Pair)> = None;
+    let mut best: Option<Seen> = None;
     for pose in axes::poses(surface, &triangles, orientation) {
-        let front = Front::new(&subject, &pose);
-        let Some((score, pair)) = front.breasts() else { continue };
-        let score = score + FILE_UP_MM * pose.axes.y_axis.y;
-        if best.as_ref().is_none_or(|(most, ..)| score > *most) {
-            best = Some((score, front, pair));
+        let Some(seen) = Seen::new(&subject, &pose) else { continue };
+        if best.as_ref().is_none_or(|best| seen.score > best.score) {
+            best = Some(seen);
         }
     }
-    let (_, mut front, mut pair) =
-        best.filter(|(score, ..)| *score >= LEAST_MM).ok_or(NoProposal::NoBreasts)?;
-    let mut midline = front.midline(&pair);
-    let Pose { origin, axes } = front.pose;
-    let head =
-        (midline[0] - midline[1]).reject_from_normalized(axes.x_axis).normalize_or(axes.y_axis);
-    if head.dot(axes.y_axis) < TURNED {
-        let across = axes.x_axis;
-        let pose = Pose { origin, axes: DMat3::from_cols(across, head, across.cross(head)) };
-        let again = Front::new(&subject, &pose);
-        if let Some((_, found)) = again.breasts() {
-            midline = again.midline(&found);
-            (front, pair) = (again, found);
-        }
-    }
+    let best = best.filter(|seen| seen.score >= LEAST_MM).ok_or(NoProposal::NoBreasts)?;
+    let Seen { front, pair, midline, .. } = best;
     let sides = [Side::Left, Side::Right];
     let [left, right] =
         sides.map(|side| Breast::new(&subject, &front, &pair, side).ok_or(NoProposal::NoBreasts));
@@ -86,6 +71,39 @@ struct Subject<'a> {
     triangles: &'a [u32],
     /// +1, or −1 for normals inwards.
     orientation: f64,
+}
+
+/// A body in a pose.
+struct Seen {
+    /// \[mm\].
+    score: f64,
+    front: Front,
+    pair: Pair,
+    /// Notch and navel.
+    midline: [DVec3; 2],
+}
+
+impl Seen {
+    /// Turns the pose's head along the body first: the fold under a breast shows only in a view from the front. `None` without breasts.
+    fn new(subject: &Subject<'_>, pose: &Pose) -> Option<Self> {
+        let seen = Self::as_posed(subject, pose)?;
+        let Pose { origin, axes } = *pose;
+        let [notch, navel] = seen.midline;
+        let head = (notch - navel).reject_from_normalized(axes.x_axis).normalize_or(axes.y_axis);
+        if head.dot(axes.y_axis) >= TURNED {
+            return Some(seen);
+        }
+        let across = axes.x_axis;
+        let turned = Pose { origin, axes: DMat3::from_cols(across, head, across.cross(head)) };
+        Some(Self::as_posed(subject, &turned).unwrap_or(seen))
+    }
+
+    fn as_posed(subject: &Subject<'_>, pose: &Pose) -> Option<Self> {
+        let front = Front::new(subject, pose);
+        let (score, pair) = front.breasts()?;
+        let midline = front.midline(&pair);
+        Some(Self { score: score + FILE_UP_MM * pose.axes.y_axis.y, front, pair, midline })
+    }
 }
 
 /// Marks at the points of the skin that are nearest to those found.

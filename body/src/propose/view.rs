@@ -22,10 +22,10 @@ const SLOPES_MM: [f64; 3] = [12.0, 78.0, 18.0];
 /// What a steeper slope under the nipple than over it counts \[mm\], and the greatest difference that counts \[-\].
 const FOLD: (f64, f64) = (15.0, 2.0);
 /// From notch to navel along the body over that from the notch to the level of the nipples \[-\], and its range in adults \[mm\].
-const NAVEL: (f64, [f64; 2]) = (2.45, [320.0, 480.0]);
+const NAVEL: (f64, [f64; 2]) = (2.38, [320.0, 480.0]);
 /// From the level of the nipples up to the notch over the distance between the nipples, where the shape shows none, and the range in which
 /// it is looked for \[-\].
-const NOTCH: (f64, [f64; 2]) = (0.675, [0.42, 0.95]);
+const NOTCH: (f64, [f64; 2]) = (0.675, [0.42, 1.1]);
 /// Fall of the midline at a notch \[-\], and the length over which it is measured \[mm\].
 const FALL: (f64, f64) = (0.35, 24.0);
 
