@@ -10,12 +10,12 @@ describe("keys", { timeout: 20 * harness.PATIENCE }, () => {
   test("enter and leave the app at both ends, step a slider, commit a number, close what is open and find a command", async () => {
     const { page, finish } = await fixture.openApp({ isResearch: true, viewport: { width: 1000, height: 700 } });
     // Behind the last control are the words, before the first one is the link to them.
-    await harness.control(page, "All");
+    await harness.control(page, "Before | after");
     await harness.tab(page);
     assert.equal(await harness.place(page), "behind");
     await harness.screenshot(page, "summary");
     await harness.tab(page, { back: true });
-    assert.equal((await harness.focused(page)).name, "All");
+    assert.equal((await harness.focused(page)).name, "Before | after");
     await harness.control(page, "File");
     await harness.tab(page, { back: true });
     assert.equal(await harness.place(page), "before");

@@ -81,7 +81,7 @@ fn the_tab_key_leaves_the_app_of_a_page_at_both_ends_after_every_control() {
     ] {
         assert!(there.iter().any(|other| other == name), "{name} is not among {there:?}");
     }
-    assert_eq!([&*there[0], there.last().unwrap()], ["File", "All"]);
+    assert_eq!([&*there[0], there.last().unwrap()], ["File", "Before | after"]);
     // Sliders are two stops: the handle and the number.
     assert_eq!(there.iter().filter(|name| *name == "Width (cm)").count(), 2);
 }

@@ -63,14 +63,16 @@ fn subject_switch(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     });
 }
 
-/// The switches of the body before, where a body is drawn.
+/// The switch of the body before, where a body is drawn; while it is on, that of the wipe.
 fn before_switch(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
     if !shared.options.has_torso() {
         return;
     }
     ui.add_space(theme::SPACE);
-    for way in [Before::Beside, Before::Wipe] {
-        let (task, is_on) = (Task::ShowBefore(way), shared.options.before == way);
+    let present = shared.options.before;
+    let shown = if present == Before::Off { 1 } else { 2 };
+    for way in [Before::Beside, Before::Wipe].into_iter().take(shown) {
+        let (task, is_on) = (Task::ShowBefore(way), present == way);
         let entry = entry_of(task);
         let button = egui::Button::selectable(is_on, tr(entry.name)).frame_when_inactive(true);
         if ui.add(button).on_hover_text(tr(entry.tooltip)).clicked() {
