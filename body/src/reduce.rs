@@ -8,8 +8,6 @@ use std::collections::HashMap;
 
 /// Growth of the cells from one attempt to the next \[-\].
 const GROWTH: f64 = 1.06;
-/// Vertices a cell of the first attempt's area \[-\]: fewer than any surface has.
-const FIRST: f64 = 1.0;
 
 /// The surface with no more vertices and triangles than given, without colours; one that has no more keeps its vertices.
 #[must_use]
@@ -23,7 +21,8 @@ pub fn reduced(surface: &Surface, most_vertices: usize, most_triangles: usize) -
         };
     }
     let fewest = most_vertices.min(most_triangles / 2).max(1) as f64;
-    let mut cell_mm = (surface.area() * FIRST / fewest).sqrt().max(f64::MIN_POSITIVE);
+    // A vertex a cell of the area: fewer than any surface has.
+    let mut cell_mm = (surface.area() / fewest).sqrt().max(f64::MIN_POSITIVE);
     loop {
         let found = clustered(surface, cell_mm);
         if found.positions.len() <= most_vertices && found.triangles.len() <= most_triangles {
