@@ -83,6 +83,11 @@ fn a_body_becomes_a_scene_and_the_body_over_its_implant() {
     assert!((less("volume_ml") / gained - 1.0).abs() < 0.05, "{} {gained}", less("volume_ml"));
     assert!(less("projection_mm") > 10.0 && number("/nipple_shift_mm/2") > 10.0);
     assert!(number("/after/asymmetry_mm") > 5.0);
+    // The other breast stays where it was: the marks that moved with the skin do not tilt the axes.
+    for name in ["notch_nipple_mm", "nipple_midline_mm", "nipple_fold_mm"] {
+        let of = |when: &str| &measured[1][when]["right"][name];
+        assert!(of("before").is_f64() && of("before") == of("after"), "{name}");
+    }
 }
 
 #[test]

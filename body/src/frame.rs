@@ -1,6 +1,6 @@
-//! The frame of a breast: where a scene lies on a body.
+//! The frame of a breast, where a scene lies on a body, and that of a whole body.
 
-use crate::marks::Side;
+use crate::marks::{BodyAxes, Marks, MarksError, Side};
 use glam::{DMat3, DVec3};
 
 /// A frame: x from the midline to the patient's side, y to the head, z outwards along the chest's normal. The frame of a right breast
@@ -20,6 +20,19 @@ impl Frame {
         let z = outwards.try_normalize()?;
         let y = head.reject_from_normalized(z).try_normalize()?;
         Some(Self { origin, axes: DMat3::from_cols(y.cross(z) * side.sign(), y, z) })
+    }
+
+    /// The frame of a whole body by its marks: x to the patient's left, y to the head, z forwards; the origin in the midplane (through the notch, at right angles to
+    /// x), at the level of the nipples' middle. A body after an operation is measured in the frame of its marks before: marks that move with
+    /// the skin would tilt it.
+    ///
+    /// # Errors
+    /// Marks at one place.
+    pub fn of_body(marks: &Marks) -> Result<Self, MarksError> {
+        let BodyAxes { across, head, front } = marks.axes()?;
+        let middle = 0.5 * (marks.nipples[0] + marks.nipples[1]);
+        let origin = middle - across * (middle - marks.sternal_notch).dot(across);
+        Ok(Self { origin, axes: DMat3::from_cols(across, head, front) })
     }
 
     /// Coordinates of a point in the frame.

@@ -3,6 +3,7 @@
 //! Distances along the skin are lengths of a section: of the plane through both points and the mean of the normals there.
 //! Not computed: distances under stretch, the shape after months.
 
+use crate::frame::Frame;
 use crate::marks::{BreastMarks, Marks, Side};
 use crate::surface::Surface;
 use glam::DVec3;
@@ -57,17 +58,16 @@ impl Measures {
     }
 }
 
-/// Measures a body; `None` for marks without a direction.
+/// Measures a body in a frame, that of its marks before an operation ([`Frame::of_body`]).
 #[must_use]
-pub fn measures(surface: &Surface, marks: &Marks) -> Option<Measures> {
-    let axes = marks.axes().ok()?;
+pub fn measures(surface: &Surface, marks: &Marks, frame: &Frame) -> Measures {
     let breast = |side: Side, breast: &BreastMarks| {
         let nipple = marks.nipple(side);
         BreastMeasures {
             notch_nipple_mm: marks.notch_nipple(side),
             notch_nipple_skin_mm: along_skin(surface, marks.sternal_notch, nipple),
             nipple_fold_mm: along_skin(surface, nipple, breast.fold),
-            nipple_midline_mm: (nipple - marks.sternal_notch).dot(axes.across).abs(),
+            nipple_midline_mm: frame.local(nipple).x.abs(),
             base_width_mm: breast.medial.distance(breast.lateral),
         }
     };
@@ -78,12 +78,12 @@ pub fn measures(surface: &Surface, marks: &Marks) -> Option<Measures> {
         [Some(left), Some(right)] => Some(left.distance(right)),
         _ => None,
     };
-    Some(Measures {
+    Measures {
         breasts: [left, right],
         nipple_nipple_mm: marks.nipples[0].distance(marks.nipples[1]),
         between_breasts_mm,
-        nipple_height_mm: (marks.nipples[0] - marks.nipples[1]).dot(axes.head),
-    })
+        nipple_height_mm: (marks.nipples[0] - marks.nipples[1]).dot(frame.axes.y_axis),
+    }
 }
 
 /// Length along the skin between two points near it \[mm\].

@@ -8,10 +8,10 @@ use crate::chest::Ellipse;
 use crate::fit::BodyFit;
 use crate::frame::Frame;
 use crate::grid::Grid;
-use crate::marks::{BodyAxes, Marks, Side};
+use crate::marks::{Marks, Side};
 use crate::raster::View;
 use crate::surface::Surface;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// A breast over its bare chest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,21 +122,17 @@ const BOTH: Grid = Grid { half: 52, spacing_mm: 4.0 };
 /// Least z of the unit normal of skin that is compared \[-\].
 const LEAST_UP: f64 = 0.3;
 
-/// Root mean square distance, along the normals, of the left breast's skin from the mirror image of the right one's, the mirror being the plane through
-/// notch and navel \[mm\]; within the ellipse of either breast's marks. `None` for marks without both breasts or a direction. Error: 0.1 mm of a fine
+/// Root mean square distance, along the normals, of the left breast's skin from the mirror image of the right one's, the mirror being the midplane of a frame, that
+/// of the marks before an operation ([`Frame::of_body`]) \[mm\]; within the ellipse of either breast's marks. `None` for marks without both breasts. Error: 0.1 mm of a fine
 /// surface; a plane turned by 1° is 2 mm.
 #[must_use]
-pub fn asymmetry_mm(surface: &Surface, marks: &Marks) -> Option<f64> {
-    let BodyAxes { across, head, front } = marks.axes().ok()?;
-    let middle = 0.5 * (marks.nipples[0] + marks.nipples[1]);
-    let origin = middle - across * (middle - marks.sternal_notch).dot(across);
-    let frame = Frame { origin, axes: DMat3::from_cols(across, head, front) };
+pub fn asymmetry_mm(surface: &Surface, marks: &Marks, frame: &Frame) -> Option<f64> {
     let welded = surface.weld();
     let turned = surface.signed_volume() < 0.0;
     let orientation = if turned { -1.0 } else { 1.0 };
-    let view = View { surface, welded: &welded, frame: &frame, orientation };
+    let view = View { surface, welded: &welded, frame, orientation };
     let heights = view.heights(BOTH, &view.connected());
-    let ellipses = [ellipse(&frame, marks, Side::Left)?, ellipse(&frame, marks, Side::Right)?];
+    let ellipses = [ellipse(frame, marks, Side::Left)?, ellipse(frame, marks, Side::Right)?];
     let (side, mut sum, mut count) = (BOTH.side(), 0.0, 0.0);
     for node in 0..BOTH.len() {
         let place = BOTH.place(node);

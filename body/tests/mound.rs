@@ -12,8 +12,9 @@ mod formula;
 use glam::DVec3;
 use implant_preview_body::deform::gained_ml;
 use implant_preview_body::fit::{Settings, fit};
+use implant_preview_body::frame::Frame;
 use implant_preview_body::marks::{Marks, Side};
-use implant_preview_body::measures::measures;
+use implant_preview_body::measures::{Measures, measures};
 use implant_preview_body::mound::{asymmetry_mm, change, mound};
 use implant_preview_body::surface::Surface;
 
@@ -85,8 +86,9 @@ fn poles_shift_with_the_level_of_the_nipple() {
 #[test]
 fn differences_of_both_sides_are_those_of_the_breasts() {
     let (surface, marks) = body(62.3);
-    let alike = asymmetry_mm(&surface, &marks).unwrap();
-    let found = measures(&surface, &marks).unwrap().left_less_right().unwrap();
+    let frame = Frame::of_body(&marks).unwrap();
+    let alike = asymmetry_mm(&surface, &marks, &frame).unwrap();
+    let found = measures(&surface, &marks, &frame).left_less_right().unwrap();
     println!("alike: {alike:.3} mm, {found:?}");
     assert!(alike < 0.6 && found.notch_nipple_mm.abs() < 1e-9 && found.base_width_mm.abs() < 1e-9);
     // The left breast projects 10 mm more.
@@ -99,8 +101,33 @@ fn differences_of_both_sides_are_those_of_the_breasts() {
         .for_each(|(p, q)| *p = *q);
     let mut uneven = marks;
     (uneven.nipples[0], uneven.breasts[0]) = (other.nipples[0], other.breasts[0]);
-    let apart = asymmetry_mm(&Surface { positions, ..surface }, &uneven).unwrap();
+    let apart = asymmetry_mm(&Surface { positions, ..surface }, &uneven, &frame).unwrap();
     // 10 mm · (1 − s²)², along the normals: the root of the mean of (1 − s²)⁴ over an ellipse is √(1/5) = 0.447; the slopes take 10 to 30 %.
     println!("apart: {apart:.3} mm");
     assert!(apart > 2.5 && apart < 4.5, "{apart}");
+}
+
+/// A breast that moves forwards takes its marks with it: the other breast stays where it was.
+#[test]
+fn marks_that_move_with_the_skin_do_not_tilt_the_axes() {
+    let (surface, marks) = body(62.3);
+    let frame = Frame::of_body(&marks).unwrap();
+    let mut moved = marks;
+    moved.nipples[0] += DVec3::new(0.0, 4.0, 30.0);
+    let tilted = Frame::of_body(&moved).unwrap();
+    let turn = frame.axes.x_axis.angle_between(tilted.axes.x_axis).to_degrees();
+    println!("the marks after would turn the axes by {turn:.1}°");
+    assert!(turn > 5.0);
+    let [before, after] = [marks, moved].map(|marks| measures(&surface, &marks, &frame));
+    assert_eq!(before.breasts[1], after.breasts[1]);
+    let midline = |found: &Measures, k: usize| found.breasts[k].unwrap().nipple_midline_mm;
+    // The way forwards and up is none to the side.
+    assert!((midline(&after, 0) - midline(&before, 0)).abs() < 1e-9);
+    let rise = after.nipple_height_mm - before.nipple_height_mm;
+    assert!((rise - 4.0 * frame.axes.y_axis.y - 30.0 * frame.axes.y_axis.z).abs() < 1e-9, "{rise}");
+    // The skin is the same, so is its asymmetry.
+    let asymmetry = [&marks, &moved].map(|marks| asymmetry_mm(&surface, marks, &frame));
+    assert_eq!(asymmetry[0], asymmetry[1]);
+    let apart = asymmetry_mm(&surface, &moved, &tilted).unwrap();
+    assert!(apart > 5.0 * asymmetry[0].unwrap(), "{apart} {asymmetry:?}");
 }

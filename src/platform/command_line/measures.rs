@@ -1,5 +1,6 @@
 //! Measures of a body as JSON.
 
+use crate::body::frame::Frame;
 use crate::body::marks::{Marks, Side};
 use crate::body::measures::{BreastMeasures, measures};
 use crate::body::mound::{Mound, asymmetry_mm};
@@ -64,26 +65,26 @@ impl OfBreast {
 }
 
 impl BodyMeasures {
-    /// Measures of a surface and its marks, with those over the bare chest of a side; `None` for marks without a direction.
+    /// Measures of a surface and its marks in the frame of its marks before an operation, with those over the bare chest of a side.
     pub(super) fn of(
         surface: &Surface,
-        marks: &Marks,
+        (marks, frame): (&Marks, &Frame),
         (side, mound): (Side, Option<Mound>),
-    ) -> Option<Self> {
-        let found = measures(surface, marks)?;
+    ) -> Self {
+        let found = measures(surface, marks, frame);
         let of = |own: Side| {
             let breast = found.breasts[own as usize].as_ref()?;
             Some(OfBreast::new(breast, mound.filter(|_| own == side)))
         };
         let less = found.left_less_right();
-        Some(Self {
+        Self {
             left: of(Side::Left),
             right: of(Side::Right),
             nipple_nipple_mm: rounded(found.nipple_nipple_mm),
             between_breasts_mm: found.between_breasts_mm.map(rounded),
             nipple_height_mm: rounded(found.nipple_height_mm),
             left_less_right: less.map(|less| OfBreast::new(&less, None)),
-            asymmetry_mm: asymmetry_mm(surface, marks).map(rounded),
-        })
+            asymmetry_mm: asymmetry_mm(surface, marks, frame).map(rounded),
+        }
     }
 }

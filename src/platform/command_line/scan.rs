@@ -4,6 +4,7 @@ use super::measures::BodyMeasures;
 use super::output::{self, File};
 use super::{ExitStatus, InputError, file, in_range};
 use crate::body::fit::{self, Settings};
+use crate::body::frame::Frame;
 use crate::body::marks::{Marks, Side};
 use crate::body::mound::mound;
 use crate::body::quality::Quality;
@@ -155,7 +156,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         ));
     }
     let error = |error: serde_json::Error| InputError(error.to_string());
-    let measures = BodyMeasures::of(&surface, &marks, (side, mound(&fitted, &marks, side)));
+    let measures = Frame::of_body(&marks).ok().map(|frame| {
+        BodyMeasures::of(&surface, (&marks, &frame), (side, mound(&fitted, &marks, side)))
+    });
     let figures = Figures::of(&fitted.quality, measures, notes);
     let figures = serde_json::to_string(&figures).map_err(error)?;
     let json = serde_json::to_string(&scene).map_err(error)?;

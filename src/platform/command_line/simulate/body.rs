@@ -77,7 +77,12 @@ impl<'a> Body<'a> {
         let fitted = fit(&self.surface, &self.marks, self.side, &settings);
         let change = fitted.ok().and_then(|fitted| change(&fitted, bodies, self.side));
         let mounds = change.map_or([None; 2], |c| [c.before, c.after].map(Some));
-        let of = |k: usize| BodyMeasures::of(bodies[k].0, bodies[k].1, (self.side, mounds[k]));
+        // Both in the frame before.
+        let frame = Frame::of_body(&self.marks).ok();
+        let of = |k: usize| {
+            let ((surface, marks), mound) = (bodies[k], (self.side, mounds[k]));
+            frame.as_ref().map(|frame| BodyMeasures::of(surface, (marks, frame), mound))
+        };
         let gained_ml = rounded(gained_ml(&self.surface, &deformed));
         let line = serde_json::json!({ "body_measures": {
             "before": of(0),
