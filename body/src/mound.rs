@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::marks::{Marks, Side};
 use crate::raster::View;
 use crate::surface::Surface;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A breast over its bare chest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +122,7 @@ const BOTH: Grid = Grid { half: 52, spacing_mm: 4.0 };
 /// Least z of the unit normal of skin that is compared \[-\].
 const LEAST_UP: f64 = 0.3;
 
-/// Root mean square distance, along the normals, of the left breast's skin from the mirror image of the right one's, the mirror being the midplane of a frame, that
+/// Root mean square distance, along the mean normals of both, of the left breast's skin from the mirror image of the right one's, the mirror being the midplane of a frame, that
 /// of the marks before an operation ([`Frame::of_body`]) \[mm\]; within the ellipse of either breast's marks. `None` for marks without both breasts. Error: 0.1 mm of a fine
 /// surface; a plane turned by 1° is 2 mm.
 #[must_use]
@@ -140,7 +140,10 @@ pub fn asymmetry_mm(surface: &Surface, marks: &Marks, frame: &Frame) -> Option<f
         let both = [place, BOTH.place(image)];
         let is_own = place.x > 0.0 && (0..2).any(|k| ellipses[k].contains(both[k]));
         let apart = heights[node] - heights[image];
-        let up = 1.0 / (1.0 + BOTH.slope(&heights, node).length_squared()).sqrt();
+        // Of both skins alike: sides exchanged give the same distance.
+        let slopes = [node, image].map(|node| BOTH.slope(&heights, node));
+        let slope = 0.5 * (slopes[0] + slopes[1] * DVec2::new(-1.0, 1.0));
+        let up = 1.0 / (1.0 + slope.length_squared()).sqrt();
         if is_own && apart.is_finite() && up > LEAST_UP {
             sum += (apart * up).powi(2);
             count += 1.0;

@@ -105,6 +105,13 @@ fn differences_of_both_sides_are_those_of_the_breasts() {
     // 10 mm · (1 − s²)², along the normals: the root of the mean of (1 − s²)⁴ over an ellipse is √(1/5) = 0.447; the slopes take 10 to 30 %.
     println!("apart: {apart:.3} mm");
     assert!(apart > 2.5 && apart < 4.5, "{apart}");
+    // With the sides exchanged it is the same.
+    let (mut surface, mut marks) = body(62.3);
+    let right = surface.positions.iter_mut().zip(&larger.positions).filter(|(p, _)| p.x < 0.0);
+    right.for_each(|(p, q)| *p = *q);
+    (marks.nipples[1], marks.breasts[1]) = (other.nipples[1], other.breasts[1]);
+    let exchanged = asymmetry_mm(&surface, &marks, &frame).unwrap();
+    assert!((exchanged / apart - 1.0).abs() < 0.01, "{exchanged} {apart}");
 }
 
 /// A breast that moves forwards takes its marks with it: the other breast stays where it was.
