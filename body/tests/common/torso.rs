@@ -83,18 +83,20 @@ pub(crate) fn torso(projection: f64, around: usize, along: usize) -> Surface {
     surface
 }
 
+/// The point of the skin at a place of the left breast's plane \[mm\], on the chest by Newton's method.
+pub(crate) fn on_breast(x: f64, y: f64, projection: f64) -> DVec3 {
+    let (center, left, normal) = breast_axes();
+    let mut angle = ANGLE;
+    for _ in 0..20 {
+        let off = |angle: f64| (chest(angle, y) - center).dot(left) - x;
+        angle -= off(angle) * 1e-6 / (off(angle + 1e-6) - off(angle));
+    }
+    chest(angle, y) + normal * bump(x, y, projection)
+}
+
 /// The marks of a torso.
 pub(crate) fn marks(projection: f64) -> Marks {
-    let (center, left, normal) = breast_axes();
-    // The point of the skin at a place of the breast's plane, on the chest by Newton's method.
-    let at = |x: f64, y: f64| {
-        let mut angle = ANGLE;
-        for _ in 0..20 {
-            let off = |angle: f64| (chest(angle, y) - center).dot(left) - x;
-            angle -= off(angle) * 1e-6 / (off(angle + 1e-6) - off(angle));
-        }
-        chest(angle, y) + normal * bump(x, y, projection)
-    };
+    let at = |x: f64, y: f64| on_breast(x, y, projection);
     let breast = BreastMarks {
         fold: at(0.0, -BREAST[1]),
         upper: at(0.0, BREAST[1]),
