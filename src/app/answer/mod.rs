@@ -2,10 +2,11 @@
 //! and limits of all of them are those of [`bands`].
 //!
 //! `figures` (of the answer, with their words) | `cards` (figures and words of the cards) | `shares` (sampled patients by word), `bar` (their bars without a toolkit), `draw` (the cards on
-//! the screen).
+//! the screen) | `columns` (lines of cells).
 
 mod bar;
 mod cards;
+mod columns;
 pub(crate) mod compare;
 pub(crate) mod details;
 pub(crate) mod differing;
