@@ -346,7 +346,7 @@ fn bad_columns_are_refused_before_any_solve() {
         (&["--fields", "force"], "--fields: \"force\" is not a field of a result; allowed: "),
         (
             &["--fields", "strain"],
-            "--fields: \"strain\" has several fields; allowed in a table: strain.fraction_above, ",
+            "--fields: \"strain\" has several fields; allowed in a table: strain.added, strain.fraction_above, ",
         ),
         (&["--fields", "layers[0]"], "layers[0].max_stress_kpa"),
         (&["--fields", "status[0]"], "--fields: \"status[0]\" is no path of a result; allowed: "),

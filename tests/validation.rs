@@ -26,7 +26,8 @@ fn rest_shape(case: &Value) -> RestShape {
         height_mm: number(mound, "height_mm"),
         width_mm: number(mound, "width_mm"),
     });
-    RestShape { wall: Wall { radius_mm: case["wall"]["radius_mm"].as_f64() }, mound }
+    let wall = Wall { radius_mm: case["wall"]["radius_mm"].as_f64() };
+    RestShape { wall, mound, ..RestShape::default() }
 }
 
 fn solve(case: &Value, skin_wrinkles: bool) -> Solution {

@@ -1,6 +1,6 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
-use super::{Scene, SceneError, field, limits, out_of_range};
+use super::{Scene, SceneError, SkinState, field, limits, out_of_range};
 use crate::curve::{Curve, present, whole_of};
 use crate::mesh::{Attachment, Edge, Patch, balanced_cells};
 use crate::springs::Springs;
@@ -27,6 +27,13 @@ pub struct Body {
     pub patch_radius_mm: f64,
     /// What holds the inner face beyond the pocket.
     pub attachment: AttachmentSettings,
+    /// The tension of the skin at rest.
+    #[serde(skip_serializing_if = "is_default")]
+    pub skin_state: SkinState,
+}
+
+fn is_default(state: &SkinState) -> bool {
+    *state == SkinState::default()
 }
 
 /// Springs between the inner face beyond the pocket and the wall.
@@ -122,6 +129,7 @@ impl Body {
             tissue_model,
             patch_radius_mm: (pocket_radius_mm + MARGIN_MM).min(limits::PATCH_RADIUS_MAX_MM),
             attachment: AttachmentSettings::default(),
+            skin_state: SkinState::default(),
         }
     }
 
@@ -159,12 +167,13 @@ impl Scene {
     }
 
     /// Sets the tissue model. Layered tissue has the coupled springs, and
-    /// its patch, attachment and cells are moved into their limits, which a sheet does not check. A sheet has a flat chest
-    /// and layers of even thickness.
+    /// its patch, attachment and cells are moved into their limits, which a sheet does not check. A sheet has a flat chest,
+    /// layers of even thickness and no natural tension.
     pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
         self.body.tissue_model = tissue_model;
         if tissue_model == TissueModel::Sheet {
             (self.chest, self.chest_grid, self.thickness_field) = (None, None, None);
+            self.body.skin_state = SkinState::default();
         }
         if tissue_model == TissueModel::Layered {
             for number in field::of_body() {
@@ -188,6 +197,7 @@ impl Scene {
 
     /// Checks cells and springs of layered tissue.
     pub(super) fn check_body(&self) -> Result<(), SceneError> {
+        self.check_skin_state()?;
         if !self.is_layered() {
             return Ok(());
         }

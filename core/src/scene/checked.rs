@@ -3,7 +3,9 @@
 use super::{Scene, SceneError, read};
 use crate::contact::{Dome, Obstacle};
 use crate::curve::Curve;
-use crate::mesh::{Chest, Patch, Rest, Sheet, ThicknessField, rounded_nodes_per_side};
+use crate::mesh::{
+    Chest, NaturalStretch, Patch, Rest, Sheet, ThicknessField, rounded_nodes_per_side,
+};
 use crate::solve::{Problem, Tissue};
 use crate::springs::Material;
 use glam::DVec2;
@@ -16,6 +18,7 @@ pub struct CheckedScene {
     materials: Arc<[Material]>,
     wall: Chest,
     thickness: Option<ThicknessField>,
+    natural: Option<NaturalStretch>,
 }
 
 /// What wall and thickness, and their limits, depend on.
@@ -52,15 +55,18 @@ impl CheckedScene {
         };
         if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {
             let materials = Arc::clone(&earlier.materials);
-            return Ok(Self { scene, materials, wall, thickness });
+            let natural = scene.body.skin_state.stretch(&materials[0])?;
+            return Ok(Self { scene, materials, wall, thickness, natural });
         }
         let material = |(k, layer): (usize, &super::Layer)| {
             let curve = Curve::scaled(&layer.curve)
                 .map_err(|source| SceneError::Curve { layer: k, source })?;
             Ok(Material::new(curve, layer.poisson_ratio, layer.thickness_mm))
         };
-        let materials = scene.layers.iter().enumerate().map(material).collect::<Result<_, _>>()?;
-        Ok(Self { scene, materials, wall, thickness })
+        let materials =
+            scene.layers.iter().enumerate().map(material).collect::<Result<Arc<[_]>, _>>()?;
+        let natural = scene.body.skin_state.stretch(&materials[0])?;
+        Ok(Self { scene, materials, wall, thickness, natural })
     }
 
     /// Reads a scene from JSON and checks it.
@@ -126,7 +132,7 @@ impl CheckedScene {
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());
                 }
-                (Tissue::Layered, rest)
+                (Tissue::Layered, rest.stretched(self.natural))
             }
         };
         Problem {

@@ -85,7 +85,8 @@ impl Scene {
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
         let is_even = self.chest_grid.is_none() && self.thickness_field.is_none();
         let is_turned = self.chest.is_none() || self.is_sphere();
-        is_centred && is_even && self.implant.is_round() && is_turned
+        let is_skin_turned = self.body.skin_state.is_turned();
+        is_centred && is_even && self.implant.is_round() && is_turned && is_skin_turned
     }
 
     /// Is the chest a sphere?

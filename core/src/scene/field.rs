@@ -63,6 +63,8 @@ const THIN: Scale = Scale { step: 0.1, ..MM };
 const PERCENT: Scale = Scale { unit: "%", factor: 100.0, step: 1.0, decimals: 0 };
 const OF_RADIUS: Scale = Scale { unit: "% of the base radius", step: 0.0, decimals: 2, ..PERCENT };
 const PLAIN: Scale = Scale { unit: "", factor: 1.0, step: 0.01, decimals: 2 };
+const TENSION: Scale = Scale { unit: "N/m", factor: 1.0, step: 1.0, decimals: 0 };
+const DEGREES: Scale = Scale { unit: "°", factor: 1.0, step: 5.0, decimals: 0 };
 const STIFFNESS: Scale = Scale { unit: "kPa/mm", factor: 1.0, step: 0.1, decimals: 1 };
 
 /// What is common to a number of all scenes.
@@ -80,7 +82,7 @@ pub struct Row {
     pub change: Change,
     /// What contains the number.
     pub part: Part,
-    /// The name of its control.
+    /// The name of its control; empty for a number without a control.
     pub label: &'static str,
     /// The scale of its control.
     pub scale: Scale,
@@ -180,6 +182,12 @@ fields! {
         "Attachment stiffness", STIFFNESS, "How firmly the tissue beyond the pocket is held to the chest wall. Plausible: 1–5 kPa/mm.";
     AttachmentRamp: "attachment.ramp_mm", Body[attachment.ramp_mm], "ramp of the attachment", "mm", (1.0, 40.0), Grid;
         "Attachment ramp", MM, "Width over which the hold rises from zero at the pocket's edge.";
+    NaturalTension: "skin_state.natural_tension_n_per_m", Body[skin_state.natural_tension_n_per_m], "natural tension of the skin", "N/m", (0.0, 300.0), Tables;
+        "", TENSION, "";
+    Anisotropy: "skin_state.anisotropy", Body[skin_state.anisotropy], "anisotropy of the natural tension", "", (1.0, 3.0), Tables;
+        "", PLAIN, "";
+    TensionDirection: "skin_state.direction_deg", Body[skin_state.direction_deg], "direction of the natural tension", "°", (-180.0, 180.0), Tables;
+        "", DEGREES, "";
     ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
         "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
     ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;
@@ -332,7 +340,7 @@ impl Field {
 mod tests {
     use super::*;
     use crate::clinical::Measurements;
-    use crate::scene::ChestShape;
+    use crate::scene::{ChestShape, SkinState};
     use serde_json::Value;
 
     /// The paths of the numbers of a scene.
@@ -363,6 +371,8 @@ mod tests {
         scene.implant.apex_shift_mm = 12.0;
         Field::PLAIN.iter().for_each(|number| number.set(&mut scene, 0, number.limits.1));
         scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
+        scene.body.skin_state =
+            SkinState { natural_tension_n_per_m: 20.0, anisotropy: 1.5, direction_deg: -30.0 };
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let json = serde_json::to_value(&scene).unwrap();

@@ -6,8 +6,8 @@ use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    Patient, Placement, SCENE_SCHEMA, SceneError, Side, SolverSettings, ThicknessGrid, TissueModel,
-    Visit, limits, one_line, patient, pins, problem,
+    Patient, Placement, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid,
+    TissueModel, Visit, limits, one_line, patient, pins, problem,
 };
 use crate::curve::{List, given, given_object, object, present, present_object};
 use crate::springs::Springs;
@@ -139,6 +139,9 @@ pub(super) struct SceneFile {
     pub(super) patch_radius_mm: Option<f64>,
     #[serde(default, deserialize_with = "given_object")]
     pub(super) attachment: Option<AttachmentSettings>,
+    /// Of layered tissue: tension of the skin at rest. Default: none.
+    #[serde(default, deserialize_with = "given_object")]
+    pub(super) skin_state: Option<SkinState>,
     /// Of layered tissue: the chest wall. Default: flat.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) chest: Option<ChestFile>,
@@ -256,6 +259,7 @@ impl SceneFile {
         let body = Body {
             patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
             attachment: file.attachment.unwrap_or_default(),
+            skin_state: file.skin_state.unwrap_or_default(),
             ..default
         };
         // For each layer of the file the fields that a patient may fill.

@@ -6,7 +6,7 @@
 //!
 //! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid) | `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
+//! `repair` (scenes that an edit made invalid) | `skin_state` (its natural tension), `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -28,6 +28,7 @@ pub mod pins;
 mod placement;
 pub mod read;
 mod repair;
+mod skin_state;
 mod thickness;
 pub mod values;
 pub mod visit;
@@ -56,6 +57,7 @@ pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+pub use skin_state::SkinState;
 pub use thickness::ThicknessGrid;
 
 pub use visit::{FillSchedule, Side, Visit};

@@ -28,6 +28,8 @@ pub(super) struct Tissue {
     heights: Vec<f64>,
     skin: Skin,
     rings: Vec<SkinRing>,
+    /// Gradient of the skin's energy at rest, which a dead load holds \[mN\].
+    at_rest: Vec<f64>,
     laws: Vec<SolidLaw>,
     /// Number of the law of each row of cells.
     law_of_row: Vec<usize>,
@@ -44,7 +46,7 @@ impl Tissue {
         [columns, rows]: [usize; 2],
         patch_radius_mm: f64,
         (attachment, pocket_radius_mm): (Attachment, f64),
-        RestShape { wall, mound }: RestShape,
+        RestShape { wall, mound, natural_strain }: RestShape,
     ) -> Self {
         let solids: Vec<&Material> = layers[1..].iter().rev().collect();
         let thickness: Vec<f64> = solids.iter().map(|solid| solid.thickness_mm).collect();
@@ -77,21 +79,40 @@ impl Tissue {
         };
         let cells = (0..columns).flat_map(|i| (0..top).map(move |j| cell(i, j)));
         let attached = |i: usize| attachment.ring([radii[i], radii[i + 1]], pocket_radius_mm, wall);
-        Self {
+        let ring =
+            |i: usize| SkinRing::new([point(i, top), point(i + 1, top)], 1.0 + natural_strain);
+        let mut tissue = Self {
             columns: columns + 1,
             rows: top + 1,
             rest: nodes.collect(),
             skin: Skin { material: layers[0].clone(), wrinkles: skin_wrinkles },
-            rings: (0..columns)
-                .map(|i| SkinRing::new([point(i, top), point(i + 1, top)]))
-                .collect(),
+            rings: (0..columns).map(ring).collect(),
+            at_rest: Vec::new(),
             laws: solids.iter().map(|s| SolidLaw::new(&s.curve, s.poisson_ratio)).collect(),
             law_of_row,
             cells: cells.collect(),
             attachment: (0..columns).map(attached).collect(),
             radii,
             heights,
+        };
+        tissue.at_rest = tissue.skin_at_rest();
+        tissue
+    }
+
+    fn skin_at_rest(&self) -> Vec<f64> {
+        let mut gradient = vec![0.0; self.rest.len()];
+        for (column, ring) in self.rings.iter().enumerate() {
+            let numbers = self.ring_numbers(column, self.rows - 1);
+            let at_rest = ring.linearise(&self.skin, &numbers.map(|n| self.rest[n])).gradient;
+            numbers.iter().zip(at_rest).for_each(|(n, pull)| gradient[*n] += pull);
         }
+        gradient
+    }
+
+    /// Energy of the dead load \[µJ\].
+    fn load_energy(&self, x: &[f64]) -> f64 {
+        let moved = x.iter().zip(&self.rest).map(|(x, rest)| x - rest);
+        -self.at_rest.iter().zip(moved).map(|(pull, moved)| pull * moved).sum::<f64>()
     }
 
     /// Material radius of a column \[mm\].
@@ -160,7 +181,7 @@ impl Tissue {
 
     /// Elastic energy \[µJ\]; infinite if a cell is inverted.
     pub(super) fn energy(&self, x: &[f64]) -> f64 {
-        let mut sum = 0.0;
+        let mut sum = self.load_energy(x);
         for column in 0..self.columns - 1 {
             for (row, law) in self.law_of_row.iter().enumerate() {
                 let at = self.cell_numbers(column, row).map(|n| x[n]);
@@ -184,9 +205,9 @@ impl Tissue {
         gradient: &mut [f64],
         hessian: &mut Banded,
     ) -> Option<f64> {
-        gradient.fill(0.0);
+        gradient.iter_mut().zip(&self.at_rest).for_each(|(to, pull)| *to = -pull);
         hessian.clear();
-        let mut sum = 0.0;
+        let mut sum = self.load_energy(x);
         for column in 0..self.columns - 1 {
             for (row, law) in self.law_of_row.iter().enumerate() {
                 let numbers = self.cell_numbers(column, row);

@@ -236,15 +236,17 @@ impl Skin {
 /// Ring of the skin: conical membrane with two Gauss points along the meridian.
 #[derive(Clone, Debug)]
 pub(super) struct SkinRing {
-    /// Rest length along the meridian \[mm\].
+    /// Length along the meridian without stress \[mm\].
     length: f64,
-    /// Rest area \[mm²\] and the two shape functions / R \[1/mm\] at each point.
+    /// Area without stress \[mm²\] and the two shape functions / R \[1/mm\] at each point.
     points: [(f64, [f64; 2]); 2],
 }
 
 impl SkinRing {
-    /// The ring between two points \[R, Z\] at rest \[mm\].
-    pub(super) fn new([inner, outer]: [[f64; 2]; 2]) -> Self {
+    /// The ring between two points \[R, Z\] at rest \[mm\], where it is stretched evenly.
+    pub(super) fn new([inner, outer]: [[f64; 2]; 2], natural_stretch: f64) -> Self {
+        let released = |[r, z]: [f64; 2]| [r / natural_stretch, z / natural_stretch];
+        let [inner, outer] = [released(inner), released(outer)];
         let length = (outer[0] - inner[0]).hypot(outer[1] - inner[1]);
         let points = GAUSS_2.map(|xi| {
             let radius = 0.5 * (inner[0] + outer[0] + xi * (outer[0] - inner[0]));
@@ -395,7 +397,7 @@ mod tests {
         }
         let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
         let material = Material::new(curve, 0.45, 1.5);
-        let ring = SkinRing::new([[20.0, 3.0], [22.0, 2.6]]);
+        let ring = SkinRing::new([[20.0, 3.0], [22.0, 2.6]], 1.03);
         // Taut, and wrinkled around the axis.
         for x in [[25.0, 12.0, 27.3, 11.0], [15.0, 12.0, 17.0, 11.0]] {
             for wrinkles in [false, true] {

@@ -41,11 +41,13 @@ impl Mound {
     }
 }
 
-/// Wall and mound.
+/// Wall and mound, and the stretch of the skin over both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RestShape {
     /// The wall.
     pub wall: Wall,
     /// The mound; absent: even thickness.
     pub mound: Option<Mound>,
+    /// Strain of the skin at rest against skin without stress, the same in all directions \[-\]; a dead load holds it in balance.
+    pub natural_strain: f64,
 }

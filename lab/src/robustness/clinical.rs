@@ -2,7 +2,8 @@
 //!
 //! Distributions: spread between people as in `clinical::spread`; base radius 45–75 mm and volume 120–600 ml with
 //! projection/base radius 0.4–1; pinch 10–50 mm; pocket 10 ± 2.5 mm beyond the implant. With chests: those of `chest`; with terrain: 150–500 ml and
-//! the bodies of `terrain`.
+//! the bodies of `terrain`. With tension: skin under a natural tension of 20 N/m within a factor of 2.2, an assumption, up to twice as
+//! great along any direction as across it.
 
 use super::{
     Case, Ending, Endings, Population, check_layered, chest, nodes, random, scenes::uniform, solve,
@@ -11,7 +12,7 @@ use super::{
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{Field, Scene};
+use implant_preview_core::scene::{Field, Scene, SkinState};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
@@ -39,6 +40,12 @@ const FAT_SCALE: (f64, f64) = (1.0, 1.6);
 /// Initial modulus of an exponential fat: median \[kPa\], geometric standard deviation \[-\].
 const MODULUS_KPA: (f64, f64) = (4.0, 1.8);
 
+/// Natural tension of the skin: median \[N/m\], geometric standard deviation.
+const TENSION: (f64, f64) = (20.0, 2.2);
+/// Anisotropy of the natural tension \[-\], and its direction \[°\].
+const ANISOTROPY: (f64, f64) = (1.0, 2.0);
+const DIRECTION_DEG: (f64, f64) = (-90.0, 90.0);
+
 /// What all scenes of a run share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Clinical {
@@ -53,6 +60,9 @@ pub struct Clinical {
     /// Has every patient the wall and the mound of a body, half of them an anatomical implant?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_terrain: bool,
+    /// Has the skin of every patient a natural tension?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_tension: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -67,6 +77,7 @@ impl Default for Clinical {
             fat_rate: None,
             has_chest: false,
             has_terrain: false,
+            has_tension: false,
             nodes_per_side: 65,
             measures_errors: false,
         }
@@ -132,6 +143,9 @@ impl Clinical {
         if self.has_terrain {
             terrain::patient(rng, &mut scene);
         }
+        if self.has_tension {
+            tension(rng, &mut scene);
+        }
         scene
     }
 
@@ -156,6 +170,21 @@ impl Clinical {
         let is_measured = self.measures_errors && outcome.ending == Ending::Converged;
         let error = is_measured.then(|| error(&outcome.scene, &solver)).flatten();
         ClinicalCase { case: outcome, attempts: solver.attempts(), by_newton, error }
+    }
+}
+
+/// Gives the skin a tension that it bears.
+fn tension(rng: &mut Rng, scene: &mut Scene) {
+    let (least, most) = Field::NaturalTension.limits;
+    loop {
+        scene.body.skin_state = SkinState {
+            natural_tension_n_per_m: log_normal(rng, TENSION).clamp(least, most),
+            anisotropy: uniform(rng, ANISOTROPY),
+            direction_deg: uniform(rng, DIRECTION_DEG),
+        };
+        if scene.validate().is_ok() {
+            return;
+        }
     }
 }
 
@@ -293,6 +322,23 @@ mod tests {
                 "{counts:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_tension_is_all_that_differs() {
+        let given = Clinical { has_chest: true, ..Clinical::default() };
+        let tense = Clinical { has_tension: true, ..given };
+        let mut tensions = Vec::new();
+        for case in 0..200 {
+            let (scene, mut tense) = (given.scene(7, case), tense.scene(7, case));
+            assert_eq!(tense.validate(), Ok(()), "{}", tense.to_json());
+            let state = std::mem::take(&mut tense.body.skin_state);
+            assert_eq!(tense, scene);
+            tensions.push(state.natural_tension_n_per_m);
+        }
+        let [least, median, most] = percentiles(tensions, [0.16, 0.5, 0.84]).unwrap();
+        assert!((16.0..23.0).contains(&median), "{median}");
+        assert!((1.8..2.6).contains(&(most / median)) && (1.8..2.6).contains(&(median / least)));
     }
 
     #[test]

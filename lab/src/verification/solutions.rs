@@ -164,9 +164,8 @@ impl Reference {
             },
             pocket_radius_mm: self.pocket_radius_mm,
             body: Body {
-                tissue_model: TissueModel::Layered,
                 patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,
-                attachment: AttachmentSettings::default(),
+                ..Body::around(self.pocket_radius_mm, TissueModel::Layered)
             },
             chest: self.chest_mm.map(|radius| ChestShape {
                 radius_across_mm: radius,
@@ -196,7 +195,7 @@ impl Reference {
                 attachment: Attachment { stiffness_kpa_per_mm, ramp_mm },
                 layers: problem.materials.clone(),
                 skin_wrinkles,
-                rest: RestShape { wall: Wall { radius_mm: self.chest_mm }, mound: None },
+                rest: RestShape { wall: Wall { radius_mm: self.chest_mm }, ..RestShape::default() },
                 cells,
             })
             .ok()

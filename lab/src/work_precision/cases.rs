@@ -121,7 +121,8 @@ impl Case {
             scene.implant.projection_mm = projection;
             let attachment = AttachmentSettings { stiffness_kpa_per_mm: kpa_per_mm, ramp_mm: 10.0 };
             let tissue_model = TissueModel::Layered;
-            scene.body = Body { tissue_model, patch_radius_mm: pocket_patch(pocket), attachment };
+            let body = Body::around(pocket, tissue_model);
+            scene.body = Body { patch_radius_mm: pocket_patch(pocket), attachment, ..body };
             scene.solver.cells_through = Some(cells);
             scene
         };

@@ -57,6 +57,7 @@ fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<P
     let Problem { patch, obstacle, materials, .. } = problem;
     let attachment = patch.attachment()?;
     let radius_mm = scene.chest.map(|chest| chest.radius_across_mm);
+    let natural_strain = problem.rest.natural().map_or(0.0, |natural| natural.stretches()[0] - 1.0);
     // The reference has the curve's law.
     if problem.solids().iter().any(|solid| solid.solid != SolidKind::Curve) {
         return None;
@@ -77,7 +78,7 @@ fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<P
             },
             layers: materials.clone(),
             skin_wrinkles: true,
-            rest: RestShape { wall: Wall { radius_mm }, mound },
+            rest: RestShape { wall: Wall { radius_mm }, mound, natural_strain },
             cells,
         })
     };

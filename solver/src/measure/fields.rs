@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// A quantity with a value at every node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
-    /// Greatest principal engineering strain λ₁ − 1 \[-\].
+    /// Greatest principal engineering strain λ₁ − 1 \[-\], of skin with a natural tension against skin without stress.
     PrincipalStrain,
-    /// Area stretch λ₁λ₂ \[-\].
+    /// Area stretch λ₁λ₂ against the tissue at rest \[-\].
     AreaStretch,
     /// Greatest principal nominal stress of a layer \[kPa\], counted from the skin.
     Stress(usize),
@@ -128,8 +128,9 @@ impl Fields {
     #[must_use]
     pub fn at(&self, field: Field, node: usize) -> Option<f64> {
         let deformation = self.solution.deformation();
+        let elastic = || self.solution.elastic_deformation();
         match field {
-            Field::PrincipalStrain => Some(deformation.principal(node)[0]),
+            Field::PrincipalStrain => Some(elastic().principal(node)[0]),
             Field::AreaStretch => Some(deformation.area_stretch(node)),
             Field::Stress(layer) => {
                 let material = self.solution.problem().materials.get(layer)?;
@@ -137,7 +138,7 @@ impl Fields {
                     Some(solid) => Some(f64::from(solid.stress[node])),
                     None => Some(layers::stress(
                         material,
-                        deformation,
+                        elastic(),
                         node,
                         self.solution.problem().wrinkles(),
                     )),
@@ -146,7 +147,7 @@ impl Fields {
             Field::ContactPressure => Some(self.contact().pressure_at(node)),
             Field::LayerStrain(layer) => match self.solid(layer) {
                 Some(solid) => Some(f64::from(solid.strain[node])),
-                None => Some(deformation.principal(node)[0]),
+                None => Some(elastic().principal(node)[0]),
             },
             Field::ThicknessStretch(layer) => {
                 let rest = self.solution.problem().materials.get(layer)?.thickness_mm;

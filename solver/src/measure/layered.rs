@@ -136,6 +136,7 @@ impl Outcome {
             let (least, greatest) = (range.0.into(), range.1.into());
             layer.thickness_mm = Some(Thickness { least, greatest });
         }
+        let skin = solution.elastic_deformation().summary([], |_| 1.0);
         self.layers[0].max_stretch = Some(1.0 + skin.greatest);
         let count = self.layers.len();
         for (solid, load) in solution.solid_loads().into_iter().enumerate() {

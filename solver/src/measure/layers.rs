@@ -47,7 +47,7 @@ const WRINKLING_STRESS: f64 = 0.01;
 /// The warning of compression, for a membrane that can be compressed.
 pub(super) fn compression(solution: &Solution) -> Option<String> {
     let problem = solution.problem();
-    let least = least_stress(problem.membrane(), solution.deformation(), problem.sheet());
+    let least = least_stress(problem.membrane(), solution.elastic_deformation(), problem.sheet());
     (least < -WRINKLING_STRESS).then(|| {
         "Part of the tissue is under compression and may wrinkle; a model without bending stiffness does not \
          resolve wrinkles."

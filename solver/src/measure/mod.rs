@@ -26,8 +26,8 @@ pub use column::{Column, ColumnError, Kind};
 pub use fields::{Field, Fields};
 pub use layered::{Cover, SkinArea, Thickness, Traction};
 pub use outcome::{
-    LayerOutcome, Outcome, PatientValue, Pressure, ProfilePoint, SolverMethod, SolverOutcome,
-    Status, Strains,
+    AddedStrains, LayerOutcome, Outcome, PatientValue, Pressure, ProfilePoint, SolverMethod,
+    SolverOutcome, Status, Strains,
 };
 pub use profile::{Direction, Meridian, meridians, skin_surface};
 pub use selection::{Selected, Selection, UnknownField, Written};
@@ -81,8 +81,9 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         outcome.profile = profile::along_x(solution);
     }
     if selection.wants_any(&OF_MEMBRANE) {
-        let summary = solution.deformation().summary(STRAIN_BANDS, weight);
-        outcome.measure_shape(fields, &summary, pocket_area);
+        let summary = solution.elastic_deformation().summary(STRAIN_BANDS, weight);
+        let added = problem.rest.natural().map(|_| solution.deformation().summary([], weight));
+        outcome.measure_shape(fields, &summary, added, pocket_area);
         outcome.skin_reserve_used = reserve_used(problem, outcome.strain.as_ref());
         if selection.wants_any(&["layers", "warnings"]) {
             outcome.measure_loads(solution);
@@ -247,6 +248,7 @@ impl Outcome {
         &mut self,
         fields: &Fields,
         summary: &Summary<{ STRAIN_BANDS.len() }>,
+        added: Option<Summary<0>>,
         area_before: f64,
     ) {
         let solution = fields.solution();
@@ -264,17 +266,21 @@ impl Outcome {
             .sum();
         self.skin_projection_mm = Some(height + thickness);
 
-        let ratio = summary.area_ratio;
+        let ratio = added.as_ref().map_or(summary.area_ratio, |added| added.area_ratio);
         self.area_ratio = Some(ratio);
         self.area_after_cm2 = Some(area_before * ratio / 100.0);
         self.area_gain_cm2 = Some(area_before * (ratio - 1.0) / 100.0);
         let fractions = STRAIN_BANDS.iter().zip(summary.fraction_above);
         self.strain = Some(Strains {
             max_principal: summary.greatest,
-            mean_area: ratio - 1.0,
+            mean_area: summary.area_ratio - 1.0,
             fraction_above: fractions
                 .map(|(limit, fraction)| (format!("{limit:.2}"), fraction))
                 .collect(),
+            added: added.map(|added| AddedStrains {
+                max_principal: added.greatest,
+                mean_area: added.area_ratio - 1.0,
+            }),
         });
     }
 
@@ -282,7 +288,7 @@ impl Outcome {
     fn measure_loads(&mut self, solution: &Solution) {
         let loads = layers::loads(
             solution.problem().membrane(),
-            solution.deformation(),
+            solution.elastic_deformation(),
             solution.problem().wrinkles(),
         );
         for (layer, load) in self.layers.iter_mut().zip(loads) {

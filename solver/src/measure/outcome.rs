@@ -107,15 +107,28 @@ pub struct Pressure {
     pub max: f64,
 }
 
-/// Strains of the membrane over the pocket \[-\]; the greatest strain is that of the whole patch.
+/// Strains of the membrane over the pocket \[-\]; the greatest strain is that of the whole patch. With a natural tension against skin
+/// without stress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Strains {
     /// Greatest principal engineering strain, λ₁ − 1.
     pub max_principal: f64,
-    /// Mean area strain, area ratio − 1.
+    /// Mean area strain; without a natural tension area ratio − 1.
     pub mean_area: f64,
     /// Fraction of the membrane (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
     pub fraction_above: BTreeMap<String, f64>,
+    /// With a natural tension: the strains that the implant adds, against the tissue at rest; otherwise absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub added: Option<AddedStrains>,
+}
+
+/// Strains of the membrane against the tissue at rest \[-\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AddedStrains {
+    /// Greatest principal engineering strain of the whole patch.
+    pub max_principal: f64,
+    /// Mean area strain over the pocket, area ratio − 1.
+    pub mean_area: f64,
 }
 
 /// The result of one layer.

@@ -2,7 +2,7 @@
 
 use super::{PROFILE_POINTS, ProfilePoint};
 use crate::contact::TOUCH_F64;
-use crate::mesh::{NodeKind, Rest};
+use crate::mesh::{NaturalStretch, NodeKind, Rest};
 use crate::solve::{Solution, Tissue};
 use glam::{DVec2, DVec3};
 
@@ -48,7 +48,9 @@ pub struct Meridian {
 pub fn meridians(solution: &Solution) -> Vec<Meridian> {
     let problem = solution.problem();
     let dome = &problem.obstacle.dome;
-    let is_round = problem.rest.is_even() && dome.is_round() && dome.center == DVec2::ZERO;
+    let is_turned =
+        problem.rest.is_even() && problem.rest.natural().is_none_or(NaturalStretch::is_even);
+    let is_round = is_turned && dome.is_round() && dome.center == DVec2::ZERO;
     let all = [Direction::Side, Direction::Midline, Direction::Head, Direction::Feet];
     let directions = if is_round { &all[..1] } else { &all };
     let inner = directions.iter().map(|&direction| Meridian {

@@ -33,7 +33,7 @@ fn skin(solution: &Solution, node: usize) -> Option<([f64; 2], f64)> {
     let problem = solution.problem();
     let ratios = problem.membrane().iter().map(|layer| layer.poisson_ratio);
     let greatest = ratios.max_by(f64::total_cmp).filter(|_| problem.wrinkles())?;
-    Some((solution.deformation().principal(node), greatest))
+    Some((solution.elastic_deformation().principal(node), greatest))
 }
 
 /// State of the skin at a node; `None` where the skin is no tension field.
@@ -51,7 +51,11 @@ pub(super) fn strain(solution: &Solution, node: usize) -> Option<f64> {
 /// Direction of the crests at a node, a unit vector at rest; `None` where the skin is taut or slack.
 pub(super) fn direction(solution: &Solution, node: usize) -> Option<DVec2> {
     let is_wrinkled = state(solution, node) == Some(FieldState::Wrinkled);
-    is_wrinkled.then(|| solution.deformation().first_direction(node))
+    is_wrinkled.then(|| {
+        let direction = solution.elastic_deformation().first_direction(node);
+        let natural = solution.problem().rest.natural();
+        natural.map_or(direction, |natural| natural.stretched(direction).normalize())
+    })
 }
 
 /// Shares of the skin, by area at rest.

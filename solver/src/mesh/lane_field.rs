@@ -60,6 +60,15 @@ impl Field {
         }
     }
 
+    /// Subtracts a field of one plane, or without values, from the last plane of each component.
+    pub(crate) fn subtract_from_last_plane(&mut self, other: &Self) {
+        let parts = [&other.x, &other.y, &other.z];
+        for (to, from) in [&mut self.x, &mut self.y, &mut self.z].into_iter().zip(parts) {
+            let start = to.len() - from.len();
+            to[start..].iter_mut().zip(from).for_each(|(to, from)| *to -= from);
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn load(&self, k: usize) -> [f32x4; 3] {
         [load(&self.x, k), load(&self.y, k), load(&self.z, k)]

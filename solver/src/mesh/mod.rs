@@ -1,6 +1,6 @@
 //! Grids on the patch's disc.
 //!
-//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `height_field` (its heights in f64 and for four f32), `grid` (heights and thickness of a scan), `spline` (a function through samples) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue and its edge) |
+//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `height_field` (its heights in f64 and for four f32), `grid` (heights and thickness of a scan), `spline` (a function through samples) | `natural` (the stretch of the skin at rest) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `part` (the quarter or half that determines a symmetric shape) | `lanes`, `lane_field`, `vec3` (the same grid and vectors at its nodes for four f32 at a time).
 //!
 //! Uses `number`. Used by `contact`, `model`, `solve` and all to their right.
@@ -11,6 +11,7 @@ mod grid;
 pub(crate) mod height_field;
 mod lane_field;
 pub(crate) mod lanes;
+mod natural;
 pub(crate) mod part;
 mod patch;
 pub(crate) mod rest;
@@ -22,5 +23,6 @@ pub use chest::Chest;
 pub(crate) use disc_grid::coarser_nodes_per_side;
 pub use disc_grid::{CELL_TRIANGLES, CellKind, NodeKind, Sheet, rounded_nodes_per_side};
 pub use grid::{HeightGrid, ThicknessField};
+pub use natural::NaturalStretch;
 pub use patch::{Attachment, Edge, Patch};
 pub use rest::{Cells, Rest, Surface, balanced_cells};

@@ -3,7 +3,7 @@
 //! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height, or one times a
 //! factor that differs from place to place.
 
-use super::{Chest, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side};
+use super::{Chest, NaturalStretch, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side};
 use glam::{DMat2, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -35,6 +35,8 @@ pub struct Rest {
     /// Foot \[mm\] and direction of each column, whose length is the factor of the thickness; empty for even thickness over a
     /// flat wall.
     columns: Arc<[(DVec3, DVec3)]>,
+    /// Of the skin of layered tissue; `None`: the skin is without stress at rest.
+    natural: Option<NaturalStretch>,
 }
 
 impl Rest {
@@ -60,7 +62,15 @@ impl Rest {
             *height += cells.height_mm;
             Some(*height)
         }));
-        Self { sheet, cells, heights, chest: Chest::Flat, thickness: None, columns: Arc::default() }
+        Self {
+            sheet,
+            cells,
+            heights,
+            chest: Chest::Flat,
+            thickness: None,
+            columns: Arc::default(),
+            natural: None,
+        }
     }
 
     /// The same layers over a wall.
@@ -74,6 +84,18 @@ impl Rest {
     pub fn thickened(self, thickness: ThicknessField) -> Self {
         let thickness = Some(thickness).filter(|field| !field.is_even());
         Self { thickness, ..self }.placed(|_, _| None)
+    }
+
+    /// The same layers under skin that is stretched at rest; layered tissue only.
+    #[must_use]
+    pub fn stretched(self, natural: Option<NaturalStretch>) -> Self {
+        Self { natural, ..self }
+    }
+
+    /// The stretch of the skin at rest; `None`: the skin is without stress.
+    #[must_use]
+    pub fn natural(&self) -> Option<&NaturalStretch> {
+        self.natural.as_ref()
     }
 
     /// Computes the columns that are not `known` by their node and its place. Those of nodes outside of the patch stand anywhere on
@@ -123,7 +145,8 @@ impl Rest {
     pub fn mirrored(&self) -> [bool; 2] {
         let (wall, field) = (self.chest.mirrored(), self.thickness.as_ref());
         let thickness = field.map_or([true; 2], ThicknessField::mirrored);
-        [0, 1].map(|axis| wall[axis] && thickness[axis])
+        let natural = self.natural().map_or([true; 2], NaturalStretch::mirrored);
+        [0, 1].map(|axis| wall[axis] && thickness[axis] && natural[axis])
     }
 
     /// Is the tissue the same but for the grid?
@@ -131,6 +154,7 @@ impl Rest {
         self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
             && self.cells == other.cells
             && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
+            && self.natural == other.natural
     }
 
     /// Are all cells of a layer alike: even thickness over the plane z = 0?
@@ -167,16 +191,22 @@ impl Rest {
         (0..self.sheet.len()).map(move |node| self.node(layer, node))
     }
 
-    /// A layer of nodes as a surface.
+    /// A layer of nodes as a surface, whose triangles are those of the tissue at rest.
     #[must_use]
     pub fn surface(&self, layer: usize) -> Surface<'_> {
-        Surface { rest: self, layer }
+        Surface { rest: self, layer, natural: None }
     }
 
-    /// The outermost layer of nodes: the sheet, or the skin.
+    /// The outermost layer of nodes, the sheet or the skin, as it is at rest.
+    #[must_use]
+    pub fn outermost(&self) -> Surface<'_> {
+        self.surface(self.layers() - 1)
+    }
+
+    /// The outermost layer of nodes as a membrane, whose triangles are those without stress.
     #[must_use]
     pub fn membrane(&self) -> Surface<'_> {
-        self.surface(self.layers() - 1)
+        Surface { natural: self.natural(), ..self.outermost() }
     }
 
     /// The layer of nodes on the outer face of each solid, from the inner face outwards.
@@ -201,8 +231,7 @@ impl Rest {
                 && fine.kinds()[on_fine] != NodeKind::Outside;
             self.columns.get(on_fine).copied().filter(|_| is_same)
         };
-        let Self { cells, heights, chest, thickness, .. } = self.clone();
-        Self { sheet, cells, heights, chest, thickness, columns: Arc::default() }.placed(known)
+        Self { sheet, columns: Arc::default(), ..self.clone() }.placed(known)
     }
 
     /// The same tissue on the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number of
@@ -218,6 +247,7 @@ impl Rest {
 pub struct Surface<'a> {
     rest: &'a Rest,
     layer: usize,
+    natural: Option<&'a NaturalStretch>,
 }
 
 impl<'a> Surface<'a> {
@@ -227,9 +257,9 @@ impl<'a> Surface<'a> {
         self.rest.sheet()
     }
 
-    /// Is the surface a plane under even thickness?
+    /// Is the surface a plane under even thickness, without a natural stretch?
     pub(crate) fn is_even(self) -> bool {
-        self.rest.is_even()
+        self.rest.is_even() && self.natural.is_none()
     }
 
     /// Is the cell with these corners a square of the grid at rest, whose triangles need no [`Self::triangle`]?
@@ -244,11 +274,18 @@ impl<'a> Surface<'a> {
         self.rest.node(self.layer, node)
     }
 
-    /// The rest metric of a triangle of nodes, all that a membrane knows of its rest shape: the corners, laid into the plane of the
-    /// grid without strain and without a turn against the grid \[mm\].
+    /// The rest metric of a triangle of nodes, all that a membrane knows of its rest shape: the corners of the triangle without
+    /// stress, laid into the plane of the grid without strain and without a turn against the grid \[mm\].
     pub(crate) fn triangle(self, nodes: [usize; 3]) -> [DVec2; 3] {
+        let corners = self.triangle_at_rest(nodes);
+        let release = |natural: &NaturalStretch| corners.map(|corner| natural.released(corner));
+        self.natural.map_or(corners, release)
+    }
+
+    /// [`Self::triangle`] of the tissue at rest.
+    fn triangle_at_rest(self, nodes: [usize; 3]) -> [DVec2; 3] {
         let flat = nodes.map(|k| self.sheet().rest()[k]);
-        if self.is_even() {
+        if self.rest.is_even() {
             return flat;
         }
         let [a, b, c] = nodes.map(|k| self.node(k));

@@ -104,6 +104,7 @@ pub struct Solution {
     shape: Shape,
     report: Report,
     deformation: OnceLock<Deformation>,
+    elastic: OnceLock<Deformation>,
     inner_deformation: OnceLock<Deformation>,
     stack: OnceLock<Stack>,
     part_reactions: OnceLock<PartReactions>,
@@ -135,6 +136,7 @@ impl Solution {
             shape,
             report,
             deformation: OnceLock::new(),
+            elastic: OnceLock::new(),
             inner_deformation: OnceLock::new(),
             stack: OnceLock::new(),
             part_reactions: OnceLock::new(),
@@ -245,11 +247,21 @@ impl Solution {
         x
     }
 
-    /// Stretch, normal and area of the membrane at every node.
+    /// Stretch, normal and area of the membrane at every node, against the tissue at rest.
     #[must_use]
     pub fn deformation(&self) -> &Deformation {
-        let surface = self.problem.rest.membrane();
+        let surface = self.problem.rest.outermost();
         self.deformation.get_or_init(|| Deformation::of_part(surface, self.membrane(), self.part()))
+    }
+
+    /// The same against the membrane without stress, which determines its stress; [`Self::deformation`] without a natural tension.
+    #[must_use]
+    pub fn elastic_deformation(&self) -> &Deformation {
+        if self.problem.rest.natural().is_none() {
+            return self.deformation();
+        }
+        let surface = self.problem.rest.membrane();
+        self.elastic.get_or_init(|| Deformation::of_part(surface, self.membrane(), self.part()))
     }
 
     /// Stretch, normal and area of the inner face at every node.
@@ -336,14 +348,28 @@ impl Solution {
         let (surface, part) = (self.problem.rest.membrane(), self.part());
         match &self.law {
             Law::Sheet(law) => assembly::forces_at(surface, law, &self.balanced(), part, wanted),
-            Law::Layered(law) => self.exact(law).forces_on_inner(&self.node_layers(), part, wanted),
+            Law::Layered(law) => {
+                self.body_of_inner(law).forces_on_inner(&self.node_layers(), part, wanted)
+            }
         }
     }
 
     fn exact<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
         let Problem { rest, patch, .. } = &*self.problem;
+        Exact::new(rest, law, patch.pocket_radius_mm, patch.attachment())
+    }
+
+    /// [`Self::exact`] without the skin's dead load, which cells do not have.
+    fn cells_alone<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
+        let Problem { rest, patch, .. } = &*self.problem;
         let (pocket_radius, attachment) = (patch.pocket_radius_mm, patch.attachment());
-        Exact { rest, law, pocket_radius, attachment }
+        Exact { rest, law, pocket_radius, attachment, at_rest: Cow::default() }
+    }
+
+    /// The body for forces on the inner face, which is the skin where there are no cells.
+    fn body_of_inner<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
+        let has_cells = !self.problem.rest.cells().is_empty();
+        if has_cells { self.cells_alone(law) } else { self.exact(law) }
     }
 
     /// Elastic energy of tissue and attachment \[kPa·mm³ = µJ\] with balanced forces ([`Self::balanced`]).
@@ -365,7 +391,7 @@ impl Solution {
     #[doc(hidden)]
     pub fn visit_cells(&self, visit: impl FnMut(&CellState)) {
         if let Some(law) = self.law.layered() {
-            self.exact(law).visit(&self.node_layers(), self.part(), visit);
+            self.cells_alone(law).visit(&self.node_layers(), self.part(), visit);
         }
     }
 

@@ -48,12 +48,45 @@ pub fn stress(curve: &Curve, poisson_ratio: f64, strain: [f64; 2]) -> [f64; 2] {
     biot_stress(curve, poisson_ratio, relaxed(strain, poisson_ratio))
 }
 
+/// Steps of the bisection in [`strain_of`]: the strain is exact to rounding.
+const BISECTIONS: usize = 60;
+
+/// Principal Biot strains \[-\] of taut skin under two principal nominal stresses, 0 or more \[kPa\]: the inverse of [`stress`]. `None`
+/// above an equivalent strain.
+///
+/// With the secant S of the curve at ē the strains are (T₁ − νT₂)/S and (T₂ − νT₁)/S, and ē is the strain of the uniaxial stress
+/// √(T₁² + T₂² − 2νT₁T₂).
+#[must_use]
+pub fn strain_of(
+    curve: &Curve,
+    poisson_ratio: f64,
+    [one, two]: [f64; 2],
+    greatest: f64,
+) -> Option<[f64; 2]> {
+    let nu = poisson_ratio;
+    let uniaxial = (one * one + two * two - 2.0 * nu * one * two).max(0.0).sqrt();
+    let (mut least, mut most) = (0.0, greatest);
+    if curve.stress(most) < uniaxial {
+        return None;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (least + most);
+        if curve.stress(middle) < uniaxial {
+            least = middle;
+        } else {
+            most = middle;
+        }
+    }
+    let secant = curve.secant(most);
+    Some([(one - nu * two) / secant, (two - nu * one) / secant])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::curve::CurveSpec;
     use crate::springs::Material;
-    use crate::springs::coupled::CoupledLaw;
+    use crate::springs::coupled::{CoupledLaw, equivalent_strain};
 
     #[test]
     fn the_state_is_that_of_the_tensions_of_the_law() {
@@ -83,6 +116,22 @@ mod tests {
             assert!(counts.into_iter().all(|count| count > 500), "{counts:?}");
         }
         assert_eq!(state([0.0; 2], 0.45), FieldState::Taut);
+    }
+
+    #[test]
+    fn the_strain_of_a_stress_is_the_inverse_of_the_law() {
+        let curve = Curve::new(&CurveSpec::Skin {}).unwrap();
+        for poisson_ratio in [0.0, 0.3, 0.45, 0.5] {
+            for given in [[13.0, 13.0], [20.0, 10.0], [60.0, 20.0], [5.0, 0.0], [0.0, 0.0]] {
+                let strain = strain_of(&curve, poisson_ratio, given, 1.0).unwrap();
+                assert!(equivalent_strain(strain, poisson_ratio) < 0.7);
+                let found = stress(&curve, poisson_ratio, strain);
+                for (found, given) in found.into_iter().zip(given) {
+                    assert!((found - given).abs() < 1e-9, "{poisson_ratio}: {found} {given}");
+                }
+            }
+            assert_eq!(strain_of(&curve, poisson_ratio, [300.0, 0.0], 0.5), None);
+        }
     }
 
     #[test]

@@ -49,6 +49,9 @@ pub(super) struct Arguments {
     /// scenes an anatomical implant; 150 to 500 ml.
     #[arg(long, requires = "clinical", conflicts_with = "chest")]
     terrain: bool,
+    /// Clinical population: the skin of every patient has a natural tension.
+    #[arg(long, requires = "clinical")]
+    skin_tension: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -103,6 +106,7 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         fat_rate,
         has_chest: arguments.chest,
         has_terrain: arguments.terrain,
+        has_tension: arguments.skin_tension,
         nodes_per_side: nodes,
         measures_errors: measure_errors,
     };

@@ -16,6 +16,7 @@ use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::springs::solids::{ExactLaw, of_law};
 use glam::{DMat3, DVec3};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// The body.
@@ -24,6 +25,8 @@ pub struct Exact<'a> {
     pub law: &'a LayeredLaw,
     pub pocket_radius: f64,
     pub attachment: Option<Attachment>,
+    /// Forces of the skin at rest on its nodes \[kPa·mm²\], which a dead load holds; empty where they are zero.
+    pub at_rest: Cow<'a, [DVec3]>,
 }
 
 /// The deformation in the middle of a cell.
@@ -149,6 +152,25 @@ pub(super) struct Element<'a> {
     pub(super) modes: Modes<f64>,
 }
 
+impl<'a> Exact<'a> {
+    /// The body, in balance at rest also where its skin has a natural stretch.
+    #[must_use]
+    pub fn new(
+        rest: &'a Rest,
+        law: &'a LayeredLaw,
+        pocket_radius: f64,
+        attachment: Option<Attachment>,
+    ) -> Self {
+        let mut at_rest = Vec::new();
+        if rest.natural().is_some() {
+            let x: Vec<DVec3> = rest.nodes(rest.layers() - 1).collect();
+            at_rest.resize(x.len(), DVec3::ZERO);
+            assembly::forces(rest.membrane(), &law.skin, &x, &mut at_rest);
+        }
+        Self { rest, law, pocket_radius, attachment, at_rest: at_rest.into() }
+    }
+}
+
 impl Exact<'_> {
     /// The grid of columns.
     pub(super) fn sheet(&self) -> &Sheet {
@@ -235,6 +257,9 @@ impl Exact<'_> {
             &x[x.len() - 1],
             &mut forces[x.len() - 1],
         );
+        for (force, at_rest) in forces[x.len() - 1].iter_mut().zip(&*self.at_rest) {
+            *force -= *at_rest;
+        }
         self.each(places, x, |element| {
             let layer = element.layer;
             for (face, l) in self.faces_forces(&element).iter().zip([layer, layer + 1]) {
@@ -273,6 +298,10 @@ impl Exact<'_> {
             let of_skin =
                 assembly::forces_at(self.rest.membrane(), &self.law.skin, x[0], part, wanted);
             forces.iter_mut().zip(of_skin).for_each(|(force, skin)| *force += skin);
+            if !self.at_rest.is_empty() {
+                let nodes = part.nodes().map(|k| self.at_rest[k]);
+                forces.iter_mut().zip(nodes).for_each(|(force, at_rest)| *force -= at_rest);
+            }
         }
         forces
     }
@@ -362,9 +391,13 @@ impl Exact<'_> {
         }
     }
 
-    /// Elastic energy \[kPa·mm³\] at the positions `x` \[mm\]; infinite if a cell is inverted, or nearly so.
+    /// Elastic energy, and that of the dead load \[kPa·mm³\], at the positions `x` \[mm\]; infinite if a cell is inverted, or nearly so.
     pub fn energy(&self, places: &[Place], x: &[Vec<DVec3>]) -> f64 {
-        let mut energy = assembly::energy(self.rest.membrane(), &self.law.skin, &x[x.len() - 1]);
+        let top = x.len() - 1;
+        let mut energy = assembly::energy(self.rest.membrane(), &self.law.skin, &x[top]);
+        for (k, at_rest) in self.at_rest.iter().enumerate() {
+            energy += at_rest.dot(x[top][k] - self.rest.node(top, k));
+        }
         let area = self.sheet().spacing_mm().powi(2);
         self.each(places, x, |element| {
             let Element { law, modes, shape, parity, .. } = &element;

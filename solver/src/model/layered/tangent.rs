@@ -317,7 +317,7 @@ mod tests {
         let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2).over(chest);
         let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
-        let exact = Exact { rest: &rest, law: &law, pocket_radius: 30.0, attachment };
+        let exact = Exact::new(&rest, &law, 30.0, attachment);
         let wave = |k: usize, layer: usize, phase: f64| {
             let at = 0.09 * k as f64 + layer as f64 + phase;
             DVec3::new((1.7 * at).sin(), (2.3 * at).cos(), (3.1 * at).sin())

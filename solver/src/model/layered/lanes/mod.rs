@@ -15,7 +15,7 @@ use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
 use crate::mesh::lanes::{Field, Layout, load, store};
 use crate::mesh::vec3::dot;
-use crate::mesh::{Attachment, Cells, Rest};
+use crate::mesh::{Attachment, Cells, NaturalStretch, Rest};
 use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
@@ -55,6 +55,8 @@ pub(crate) struct Layered {
     cells: Vec<CellLayer>,
     pocket_radius: f64,
     attachment: Option<Attachment>,
+    /// The stretch of the skin at rest.
+    natural: Option<NaturalStretch>,
     /// The skin's stiffness \[kPa·mm\].
     stiffness: f64,
 }
@@ -72,6 +74,8 @@ struct CellLayer {
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     skin: SkinScratch,
+    /// Forces of the skin at rest, on its layer of nodes: a dead load holds them. Empty where they are zero.
+    at_rest: Field,
     border: Border,
     shapes: Shapes,
     /// May the cells of each layer have four points? As a mask.
@@ -97,6 +101,7 @@ struct Geometry {
     spacing: f64,
     pocket_radius: f64,
     attachment: Option<Attachment>,
+    natural: Option<NaturalStretch>,
     stiffness: f64,
 }
 
@@ -118,8 +123,33 @@ impl Layered {
             cells: rest.cells().iter().map(layer).collect(),
             pocket_radius,
             attachment,
+            natural: rest.natural().copied(),
             stiffness,
         }
+    }
+
+    /// The skin at rest on a grid, `rest` being `None` over a flat wall.
+    fn skin_at_rest(&self, layout: &Layout, rest: Option<&Rest>) -> SkinScratch {
+        let top = self.cells.len();
+        match rest {
+            Some(rest) => SkinScratch::new(layout, rest.membrane(), top),
+            None => {
+                SkinScratch::new(layout, layout.plane().stretched(self.natural).membrane(), top)
+            }
+        }
+    }
+
+    /// Sets the forces of the skin at rest.
+    fn load_at_rest(&self, layout: &Layout, scratch: &mut Scratch) {
+        scratch.at_rest = Field::default();
+        if self.natural.is_none() {
+            return;
+        }
+        let zero = Field::new(layout.len(), self.layers());
+        let (mut forces, mut at_rest) = (zero.clone(), Field::new(layout.len(), 1));
+        self.skin.forces(layout, &zero, &mut forces, &mut scratch.skin);
+        at_rest.copy_last_plane_from(&forces);
+        scratch.at_rest = at_rest;
     }
 }
 
@@ -161,7 +191,8 @@ impl ElasticModel for Layered {
 
     fn scratch(&self, layout: &Layout) -> Scratch {
         Scratch {
-            skin: SkinScratch::new(layout, layout.plane().membrane(), self.cells.len()),
+            skin: self.skin_at_rest(layout, None),
+            at_rest: Field::default(),
             border: Border::new(layout),
             shapes: Shapes::default(),
             points: vec![f32x4::ZERO; self.cells.len()],
@@ -186,6 +217,7 @@ impl ElasticModel for Layered {
             spacing,
             pocket_radius: self.pocket_radius,
             attachment: self.attachment,
+            natural: self.natural,
             stiffness: self.stiffness,
         };
         scratch.pressure.clear();
@@ -205,17 +237,19 @@ impl ElasticModel for Layered {
         }
         // A level has the same tissue as long as it fits.
         let is_same_rest = rest.map(Arc::as_ptr) == scratch.rest.as_ref().map(Arc::as_ptr);
+        let is_same_stretch = scratch.geometry.is_none_or(|known| known.natural == self.natural);
+        if !(is_same_rest && is_same_stretch) {
+            scratch.skin = self.skin_at_rest(layout, rest.map(Arc::as_ref));
+        }
+        // The law may have changed.
+        self.load_at_rest(layout, scratch);
         if is_same_rest && scratch.geometry == Some(geometry) {
             return;
         }
         if !is_same_rest {
-            let top = self.cells.len();
-            scratch.skin = if let Some(rest) = rest {
+            if let Some(rest) = rest {
                 scratch.shapes = Shapes::Curved(Box::new(CurvedLayers::new(layout, rest)));
-                SkinScratch::new(layout, rest.membrane(), top)
-            } else {
-                SkinScratch::new(layout, layout.plane().membrane(), top)
-            };
+            }
             scratch.rest = rest.cloned();
         }
         scratch.geometry = Some(geometry);
@@ -247,6 +281,7 @@ impl ElasticModel for Layered {
 
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
         self.skin.forces(layout, u, f, &mut scratch.skin);
+        f.subtract_from_last_plane(&scratch.at_rest);
         of_shapes!(&scratch.shapes, shapes => self.add_cells(layout, shapes, u, f, scratch));
         Self::add_attachment(layout, u, f, scratch);
         of_shapes!(&scratch.shapes, shapes => self.add_border(layout, shapes, u, f, scratch));

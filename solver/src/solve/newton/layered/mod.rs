@@ -32,6 +32,8 @@ pub(in crate::solve) struct LayeredSystem {
     places: Vec<Place>,
     pocket_radius: f64,
     tangent: Tangent,
+    /// See [`Exact::at_rest`].
+    at_rest: Vec<DVec3>,
     skin: BlockStencil9,
     /// Forces of the skin alone.
     skin_forces: Vec<DVec3>,
@@ -42,9 +44,10 @@ pub(in crate::solve) struct LayeredSystem {
 }
 
 impl<'a> LayeredCase<'a> {
-    fn exact(&self, grid: &'a Grid) -> Exact<'a> {
+    fn exact(&self, grid: &'a Grid, at_rest: &'a [DVec3]) -> Exact<'a> {
         let (pocket_radius, attachment) = (self.patch.pocket_radius_mm, self.patch.attachment());
-        Exact { rest: &grid.rest, law: self.law, pocket_radius, attachment }
+        let at_rest = at_rest.into();
+        Exact { rest: &grid.rest, law: self.law, pocket_radius, attachment, at_rest }
     }
 }
 
@@ -65,6 +68,7 @@ impl System for LayeredSystem {
             places: Vec::new(),
             pocket_radius: f64::NAN,
             tangent: Tangent::default(),
+            at_rest: Vec::new(),
             skin: BlockStencil9::new(grid.sheet().nodes_per_side()),
             skin_forces: vec![DVec3::ZERO; size],
             totals: Totals::default(),
@@ -79,13 +83,15 @@ impl System for LayeredSystem {
 
     /// Moves whole columns.
     fn start(newton: &mut LayeredNewton, case: &LayeredCase) {
-        let exact = case.exact(&newton.grid);
+        let (pocket_radius, attachment) = (case.patch.pocket_radius_mm, case.patch.attachment());
+        let exact = Exact::new(&newton.grid.rest, case.law, pocket_radius, attachment);
         let system = &mut newton.system;
         if system.pocket_radius.to_bits() != exact.pocket_radius.to_bits() {
             system.places = exact.places();
             system.pocket_radius = exact.pocket_radius;
         }
         system.tangent.attach(&exact);
+        system.at_rest = exact.at_rest.into_owned();
         for k in newton.grid.free() {
             let shift = case.obstacle.project(newton.x[0][k], 0.0) - newton.x[0][k];
             newton.x.iter_mut().for_each(|layer| layer[k] += shift);
@@ -93,22 +99,23 @@ impl System for LayeredSystem {
     }
 
     fn energy(&self, grid: &Grid, case: &LayeredCase, x: &Layers) -> f64 {
-        case.exact(grid).energy(&self.places, x)
+        case.exact(grid, &self.at_rest).energy(&self.places, x)
     }
 
     fn linearize(newton: &mut LayeredNewton, case: &LayeredCase, place: usize) -> Option<usize> {
         let Newton { grid, x, forces, energy, system, .. } = newton;
-        let exact = case.exact(grid);
+        let LayeredSystem { places, tangent, at_rest, .. } = system;
+        let exact = case.exact(grid, at_rest);
         if place == 0 {
-            exact.set_forces(&system.places, x, forces);
+            exact.set_forces(places, x, forces);
             if newton.iterations == 0 {
-                *energy = exact.energy(&system.places, x);
+                *energy = exact.energy(places, x);
             }
-            system.tangent.clear();
+            tangent.clear();
         }
-        let end = (place + PLACES_PER_PIECE).min(system.places.len());
-        system.tangent.linearize(&exact, &system.places[place..end], x);
-        (end < system.places.len()).then_some(end)
+        let end = (place + PLACES_PER_PIECE).min(places.len());
+        tangent.linearize(&exact, &places[place..end], x);
+        (end < places.len()).then_some(end)
     }
 
     fn complete(newton: &mut LayeredNewton, case: &LayeredCase) -> Option<State> {
@@ -117,7 +124,7 @@ impl System for LayeredSystem {
         }
         newton.find_contact(&case.obstacle, TOUCH_F64);
         let Newton { grid, x, contact, system, .. } = newton;
-        system.linearize_skin(&case.exact(grid), x);
+        system.linearize_skin(grid, case.law, x);
         system.eliminate_columns(grid, contact);
         (0..newton.grid.free.len()).for_each(|k| newton.constrain(newton.grid.free[k] as usize));
         None
@@ -168,7 +175,7 @@ impl System for LayeredSystem {
 }
 
 impl LayeredSystem {
-    fn linearize_skin(&mut self, exact: &Exact, x: &Layers) {
+    fn linearize_skin(&mut self, grid: &Grid, law: &LayeredLaw, x: &Layers) {
         self.skin.clear();
         self.totals = Totals::default();
         let sums = Sums {
@@ -176,7 +183,7 @@ impl LayeredSystem {
             hessian: &mut self.skin,
             totals: &mut self.totals,
         };
-        let (surface, law) = (exact.rest.membrane(), &exact.law.skin);
+        let (surface, law) = (grid.rest.membrane(), &law.skin);
         let rows = 0..surface.sheet().nodes_per_side() - 1;
         assembly::linearize_rows(surface, law, &x[x.len() - 1], rows, Stiffness::Positive, sums);
     }

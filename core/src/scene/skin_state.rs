@@ -1,0 +1,96 @@
+//! The state of the skin at rest: its natural tension.
+
+use super::{Field, Scene, SceneError, TissueModel, out_of_range};
+use crate::curve::{number, present};
+use crate::mesh::NaturalStretch;
+use crate::springs::Material;
+use crate::springs::tension_field::strain_of;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Tension of the skin of layered tissue at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
+pub struct SkinState {
+    /// Nominal tension of the skin at rest, force per width of skin without stress, mean of all directions \[N/m\], 0 to 300.
+    #[serde(deserialize_with = "present")]
+    pub natural_tension_n_per_m: f64,
+    /// Tension along `direction_deg` / tension across it \[-\], 1 to 3.
+    #[serde(deserialize_with = "present")]
+    pub anisotropy: f64,
+    /// Direction of the greatest tension, from x (the patient's side) to y (the head) \[°\], −180 to 180.
+    #[serde(deserialize_with = "present")]
+    pub direction_deg: f64,
+}
+
+impl Default for SkinState {
+    fn default() -> Self {
+        Self { natural_tension_n_per_m: 0.0, anisotropy: 1.0, direction_deg: 0.0 }
+    }
+}
+
+/// Greatest natural strain of the skin, equivalent \[-\].
+const MOST_STRAIN: f64 = 0.5;
+
+impl SkinState {
+    /// Is the skin without stress at rest?
+    pub(super) fn is_none(&self) -> bool {
+        self.natural_tension_n_per_m <= 0.0
+    }
+
+    /// Is the tension the same in all directions?
+    pub(super) fn is_turned(&self) -> bool {
+        self.is_none() || self.anisotropy <= 1.0
+    }
+
+    /// Tensions along the direction and across it \[N/m = kPa·mm\].
+    fn tensions(&self, natural_tension: f64) -> [f64; 2] {
+        let across = 2.0 * natural_tension / (1.0 + self.anisotropy);
+        [self.anisotropy * across, across]
+    }
+
+    /// The stretch of a skin under a tension; `None` if the skin is stretched by more than [`MOST_STRAIN`].
+    fn stretches(&self, skin: &Material, natural_tension: f64) -> Option<[f64; 2]> {
+        let stress = self.tensions(natural_tension).map(|tension| tension / skin.thickness_mm);
+        let strain = strain_of(&skin.curve, skin.poisson_ratio, stress, MOST_STRAIN)?;
+        Some(strain.map(|strain| 1.0 + strain))
+    }
+
+    /// The stretch of a skin at rest.
+    ///
+    /// # Errors
+    /// A tension that stretches the skin by more than [`MOST_STRAIN`].
+    pub(super) fn stretch(&self, skin: &Material) -> Result<Option<NaturalStretch>, SceneError> {
+        if self.is_none() {
+            return Ok(None);
+        }
+        let given = self.natural_tension_n_per_m;
+        if let Some(stretches) = self.stretches(skin, given) {
+            return Ok(NaturalStretch::new(stretches, self.direction_deg.to_radians()));
+        }
+        let (mut least, mut most) = (0.0, given);
+        for _ in 0..50 {
+            let middle = 0.5 * (least + most);
+            let is_small = self.stretches(skin, middle).is_some();
+            *(if is_small { &mut least } else { &mut most }) = middle;
+        }
+        let allowed = format!(
+            "0 to {} N/m, which stretches this skin by {} %",
+            number((10.0 * least).floor() / 10.0),
+            100.0 * MOST_STRAIN
+        );
+        Err(out_of_range(Field::NaturalTension.path, number(given), &allowed))
+    }
+}
+
+impl Scene {
+    /// Checks that the scene may have a state of the skin.
+    pub(super) fn check_skin_state(&self) -> Result<(), SceneError> {
+        if self.body.tissue_model == TissueModel::Sheet
+            && self.body.skin_state != SkinState::default()
+        {
+            return Err(out_of_range("skin_state", "given".to_owned(), "in layered tissue only"));
+        }
+        Ok(())
+    }
+}
