@@ -4,7 +4,7 @@
 //! samples are those of a seeded low-discrepancy sequence; equal seeds give equal samples on every platform.
 
 use super::bands_report::{BANDS_SCHEMA, Band, BandsReport, ProfileBand, Scenario, UnknownReport};
-use super::importance::{Index, MIN_ROWS, Row, index};
+use super::importance::MIN_ROWS;
 use super::map::{MapSettings, base_scene};
 use super::percentile;
 use super::queue::{Queue, Queued};
@@ -96,17 +96,17 @@ pub enum BandsError {
 #[derive(Debug)]
 pub struct Bands {
     base: Scene,
-    settings: BandsSettings,
+    pub(super) settings: BandsSettings,
     grid: MapSettings,
-    unknowns: Vec<(Unknown, Spread)>,
+    pub(super) unknowns: Vec<(Unknown, Spread)>,
     /// Items: the scene, the scenarios of the method, the samples (rows of A), rows of B, then for each unknown rows of A with
     /// the unknown of B.
-    queue: Queue,
+    pub(super) queue: Queue,
     scenes_per_job: usize,
 }
 
 /// Items before the samples: the scene and the scenarios.
-const FIRST_SAMPLE: usize = 1 + METHOD_SCALES.len();
+pub(super) const FIRST_SAMPLE: usize = 1 + METHOD_SCALES.len();
 
 impl Bands {
     /// Bands of a scene.
@@ -233,7 +233,7 @@ impl Bands {
     }
 
     /// Value of a quantity in a converged item.
-    fn value(&self, quantity: Quantity, item: usize) -> Option<f64> {
+    pub(super) fn value(&self, quantity: Quantity, item: usize) -> Option<f64> {
         self.queue.case(item).filter(|case| case.is_converged())?.values.get(quantity)
     }
 
@@ -241,28 +241,6 @@ impl Bands {
     pub(super) fn sample_values(&self, quantity: Quantity) -> impl Iterator<Item = Option<f64>> {
         let samples = FIRST_SAMPLE..FIRST_SAMPLE + self.settings.samples;
         samples.map(move |item| self.value(quantity, item))
-    }
-
-    /// The items of a row of the importance of an unknown: A, B, and A with the unknown of B.
-    fn row_items(&self, unknown: usize, row: usize) -> [usize; 3] {
-        let (first, rows) = (FIRST_SAMPLE + self.settings.samples, self.settings.importance_rows);
-        [FIRST_SAMPLE + row, first + row, first + (unknown + 1) * rows + row]
-    }
-
-    /// Sobol indices of a quantity by unknown, from the rows that have converged; `None` without enough rows or without
-    /// variance.
-    #[must_use]
-    pub fn importance(&self, quantity: Quantity) -> Vec<Option<Index>> {
-        let row = |k: usize, row: usize| -> Option<Row> {
-            let [a, b, mixed] = self.row_items(k, row).map(|item| self.value(quantity, item));
-            Some([a?, b?, mixed?])
-        };
-        let indices = |k: usize| {
-            let rows = 0..self.settings.importance_rows;
-            let found: Vec<Row> = rows.filter_map(|r| row(k, r)).collect();
-            index(&found)
-        };
-        (0..self.unknowns.len()).map(indices).collect()
     }
 
     /// Percentiles, scenarios and importance of every quantity that applies, from the samples solved so far.
@@ -337,32 +315,6 @@ impl Bands {
             *counts.entry(PointStatus::of(case.as_ref()).word()).or_insert(0) += 1;
         }
         counts
-    }
-
-    /// What the samples did not allow, in one line each. Empty before the end of the study.
-    fn remarks(&self) -> Vec<String> {
-        let (done, all) = self.queue.progress();
-        let rows = self.settings.importance_rows;
-        if done < all || rows == 0 {
-            return Vec::new();
-        }
-        let is_answer = |item: usize| self.queue.case(item).is_some_and(Case::is_converged);
-        let answers = |k: usize| {
-            let is_whole = |row: &usize| self.row_items(k, *row).into_iter().all(is_answer);
-            (0..rows).filter(is_whole).count()
-        };
-        let short = |k: usize| {
-            let (name, found) = (self.unknowns[k].0.name(), answers(k));
-            (found < MIN_ROWS).then(|| format!("{name} ({found})"))
-        };
-        let short: Vec<String> = (0..self.unknowns.len()).filter_map(short).collect();
-        if short.is_empty() {
-            return Vec::new();
-        }
-        vec![format!(
-            "No importance of {}: rows with an answer, of {rows}; an index needs {MIN_ROWS}.",
-            short.join(", ")
-        )]
     }
 
     /// Number of solved scenes that change the bands apart from their importance.

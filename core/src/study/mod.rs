@@ -8,7 +8,7 @@
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
-//! `bands` | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
+//! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
 //! `practice` (the stretch that practice's volumes give) | `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
@@ -16,6 +16,7 @@
 
 mod axis;
 mod bands;
+mod bands_importance;
 mod bands_report;
 mod cache;
 pub mod contour;
