@@ -4,6 +4,7 @@
 //! samples are those of a seeded low-discrepancy sequence; equal seeds give equal samples on every platform.
 
 use super::bands_report::{BANDS_SCHEMA, Band, BandsReport, ProfileBand, Scenario, UnknownReport};
+use super::fits::Fits;
 use super::importance::MIN_ROWS;
 use super::map::{MapSettings, base_scene};
 use super::percentile;
@@ -37,7 +38,8 @@ pub struct BandsSettings {
     /// Seed of the samples.
     #[serde(deserialize_with = "whole")]
     pub seed: u32,
-    /// Rows of the importance, 0 (no importance) to `samples`, 16 at least; a row costs one scene more than there are
+    /// Rows of the importance, 0 (no importance) to `samples`, 16 at least. The importance is that of polynomials of the samples; rows
+    /// are solved for a quantity whose polynomial misses more than 5 % of the variance. A row costs one scene more than there are
     /// unknowns.
     #[serde(deserialize_with = "whole")]
     pub importance_rows: usize,
@@ -99,9 +101,10 @@ pub struct Bands {
     pub(super) settings: BandsSettings,
     grid: MapSettings,
     pub(super) unknowns: Vec<(Unknown, Spread)>,
-    /// Items: the scene, the scenarios of the method, the samples (rows of A), rows of B, then for each unknown rows of A with
-    /// the unknown of B.
+    /// Items: the scene, the scenarios of the method, the samples (rows of A); where the importance needs rows, rows of B, then for
+    /// each unknown rows of A with the unknown of B.
     pub(super) queue: Queue,
+    pub(super) fits: Fits,
     scenes_per_job: usize,
 }
 
@@ -149,9 +152,9 @@ impl Bands {
         if unknowns.is_empty() {
             return Err(BandsError::NoUnknown);
         }
-        let mixed = if rows == 0 { 0 } else { rows * (unknowns.len() + 1) };
-        let queue = Queue::new((0..FIRST_SAMPLE + settings.samples + mixed).collect());
-        Ok(Self { base, settings, grid, unknowns, queue, scenes_per_job: 8 })
+        let queue = Queue::new((0..FIRST_SAMPLE + settings.samples).collect());
+        let fits = Fits::default();
+        Ok(Self { base, settings, grid, unknowns, queue, fits, scenes_per_job: 8 })
     }
 
     /// The samples of a scene alone, without the scene itself, the scenarios and the importance, each a job of its own: few samples
@@ -268,6 +271,7 @@ impl Bands {
                 importance: importance
                     .filter_map(|(index, (unknown, _))| Some((*unknown, index?)))
                     .collect(),
+                importance_error: self.importance_error(quantity),
             })
         };
         Quantity::ALL.into_iter().filter_map(band).collect()
@@ -374,6 +378,14 @@ impl Queued for Bands {
 
     fn scene_of(&self, item: usize) -> Result<Scene, String> {
         self.scene(item)
+    }
+
+    fn is_concluded(&self) -> bool {
+        self.settings.importance_rows == 0 || self.fits.is_complete()
+    }
+
+    fn conclude(&mut self) {
+        self.fit();
     }
 }
 

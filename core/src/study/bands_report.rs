@@ -34,6 +34,9 @@ pub struct Band {
     pub scenarios: Vec<Scenario>,
     /// Sobol indices by unknown.
     pub importance: BTreeMap<Unknown, Index>,
+    /// Part of the variance that the polynomial behind the importance misses in samples without which it is fitted \[-\]; `None` for an
+    /// importance from rows.
+    pub importance_error: Option<f64>,
 }
 
 impl Band {
@@ -98,7 +101,7 @@ pub struct BandsReport {
     pub unknowns: Vec<UnknownReport>,
     /// Samples by state.
     pub counts: BTreeMap<&'static str, usize>,
-    /// What the samples did not allow, as an importance from too few rows, in one line each.
+    /// What the samples did not allow, as an importance from polynomials, in one line each.
     pub remarks: Vec<String>,
     /// Scenes solved or reused, with those of scenarios and importance.
     pub scenes_solved: usize,

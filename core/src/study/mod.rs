@@ -7,7 +7,7 @@
 //! all runners) | `many` (jobs on threads, for as long as jobs come) | `job_threads` (the jobs of a study on them) | `queue` (the scenes of a study on their way), `one_by_one` (of a study that asks for one at a time) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
-//! `sequence` (random numbers of the samples) | `importance` (Sobol indices) | `percentile` | `unknown` (about a person) |
+//! `sequence` (random numbers of the samples) | `importance` (Sobol indices from rows), `expansion` (from a polynomial of the samples), `fits` (of all quantities) | `percentile` | `unknown` (about a person) |
 //! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
 //! `practice` (the stretch that practice's volumes give) | `usual_range` (the largest volume that stays usual, over sampled patients).
@@ -20,7 +20,9 @@ mod bands_importance;
 mod bands_report;
 mod cache;
 pub mod contour;
+mod expansion;
 mod first_usual;
+mod fits;
 mod importance;
 mod job;
 mod job_threads;

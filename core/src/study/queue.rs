@@ -79,6 +79,21 @@ impl Queue {
         Some((index, Job { scenes, profile, full: false }))
     }
 
+    /// Adds items behind those that wait.
+    pub(super) fn extend(&mut self, items: std::ops::Range<usize>) {
+        self.all += items.len();
+        self.cases.resize(self.cases.len().max(items.end), None);
+        self.waiting.extend(items);
+    }
+
+    /// A job without scenes.
+    fn empty_job(&mut self) -> (usize, Job) {
+        let index = self.jobs;
+        self.jobs += 1;
+        self.running.insert(index, Vec::new());
+        (index, Job::default())
+    }
+
     /// Takes the cases of a job; an unknown job is ignored. Missing cases are those of a job that failed.
     pub(super) fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
         let Some(places) = self.running.remove(&job) else { return };
@@ -140,6 +155,14 @@ pub(super) trait Queued {
 
     /// The scene of an item, or why there is none.
     fn scene_of(&self, item: usize) -> Result<Scene, String>;
+
+    /// Is nothing left to do with the cases?
+    fn is_concluded(&self) -> bool {
+        true
+    }
+
+    /// A step of what is left to do with the cases once all are there, as long as a frame allows. May add items.
+    fn conclude(&mut self) {}
 }
 
 impl<T: Queued> Study for T {
@@ -149,6 +172,11 @@ impl<T: Queued> Study for T {
         let scene = |item: usize| self.scene_of(item);
         let job = queue.next_job(self.scenes_per_job(), T::HAS_PROFILE, store, scene);
         *self.queue_mut() = queue;
+        let (done, all) = self.queue().progress();
+        if job.is_none() && done == all && !self.is_concluded() {
+            self.conclude();
+            return Some(self.queue_mut().empty_job());
+        }
         job
     }
 
@@ -157,7 +185,9 @@ impl<T: Queued> Study for T {
     }
 
     fn progress(&self) -> (usize, usize) {
-        self.queue().progress()
+        let (done, all) = self.queue().progress();
+        // A study ends with its conclusion.
+        (if self.is_concluded() { done } else { done.min(all.saturating_sub(1)) }, all)
     }
 }
 

@@ -349,6 +349,7 @@ mod tests {
             text: String::new(),
             scenarios: Vec::new(),
             importance: std::collections::BTreeMap::new(),
+            importance_error: None,
         };
         let bands =
             [(Quantity::GreatestStrain, [0.16, 0.23]), (Quantity::LeastCoverMm, [6.0, 9.0])];
