@@ -194,3 +194,31 @@ fn an_anatomical_implant_over_a_scan_is_solved_and_an_even_field_changes_nothing
     let error = Scene::from_json(&file.to_string()).unwrap_err().to_string();
     assert!(error.starts_with("thickness_field is given; allowed: in layered tissue"), "{error}");
 }
+
+/// A corner of the scan without data: the continued wall is nearly that of the whole scan.
+#[test]
+fn a_scan_with_a_corner_blanked_is_solved_as_the_whole_one_with_a_warning() {
+    let at = |k: u32| 4.0 * (f64::from(k) - 34.0);
+    let places: Vec<[f64; 2]> = (0..69 * 69).map(|k| [at(k % 69), at(k / 69)]).collect();
+    let wall = |[x, y]: &[f64; 2]| -x * x / 300.0 - y * y / 1500.0 + 0.06 * x + (0.02 * y).sin();
+    let mut file = scene(52.0, 120.0, 15.0);
+    file["chest"] = json!({ "grid": { "spacing_mm": 4, "columns": 69, "rows": 69,
+        "heights_mm": places.iter().map(wall).collect::<Vec<_>>() } });
+    let whole = solve(&file);
+    let heights = file["chest"]["grid"]["heights_mm"].as_array_mut().unwrap();
+    for (height, [x, y]) in heights.iter_mut().zip(&places) {
+        if x + y > 105.0 {
+            *height = Value::Null;
+        }
+    }
+    let blanked = solve(&file);
+    let force = |outcome: &Outcome| outcome.contact_force_n.unwrap();
+    let apart = (force(&blanked) / force(&whole) - 1.0).abs();
+    assert!(apart > 0.0 && apart < 5e-3, "{apart}");
+    let said = blanked.warnings.iter().find(|line| line.contains("are continued over ")).unwrap();
+    assert!(!whole.warnings.contains(said), "{said}");
+    let share = said.split("over ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    // A segment of the disc over which the tissue stands: its edge is 115 to 128 mm from the centre.
+    let share: f64 = share.parse().unwrap();
+    assert!((3.0..12.0).contains(&share), "{said}");
+}

@@ -109,18 +109,20 @@ fn scenes_with_a_chest_of_any_radii_are_valid_or_rejected() {
 
 #[test]
 fn scenes_with_anatomical_implants_and_scans_of_any_numbers_are_valid_or_rejected() {
-    let accepted = std::cell::Cell::new([0; 3]);
+    let accepted = std::cell::Cell::new([0; 4]);
     check(8000, &bytes(), |bytes| {
         let read = Scene::from_json(&Choices(&bytes).scanned_scene());
         hostile::check_scene(&read);
         if let Ok(scene) = read {
+            let heights = scene.chest_grid.iter().flat_map(|chest| &*chest.grid.heights_mm);
             let is = [
                 !scene.implant.is_round(),
                 scene.chest_grid.is_some(),
                 scene.thickness_field.is_some(),
+                heights.into_iter().any(Option::is_none),
             ];
             let counts = accepted.get();
-            accepted.set([0, 1, 2].map(|k| counts[k] + i32::from(is[k])));
+            accepted.set([0, 1, 2, 3].map(|k| counts[k] + i32::from(is[k])));
         }
     });
     assert!(accepted.get().into_iter().all(|count| count > 5), "{accepted:?} are too few");

@@ -106,10 +106,8 @@ impl Quadric {
 }
 
 /// Solves a symmetric positive system (Gauss with pivots); `None` for a singular one.
-pub(crate) fn solved<const N: usize>(
-    mut matrix: [[f64; N]; N],
-    mut right: [f64; N],
-) -> Option<[f64; N]> {
+#[must_use]
+pub fn solved<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     for k in 0..N {
         let pivot = (k..N).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs()))?;
         matrix.swap(k, pivot);

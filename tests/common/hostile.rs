@@ -564,7 +564,15 @@ impl Choices<'_> {
             json!({ "spacing_mm": c.number(45.0, 50.0), "columns": count, "rows": count, name: numbers })
         };
         if self.byte() < 128 {
-            scene["chest"] = json!({ "grid": grid(self, "heights_mm", -9.0, 9.0) });
+            let mut heights = grid(self, "heights_mm", -9.0, 9.0);
+            // Any number of gaps, a few or all of them.
+            let share = self.byte();
+            for height in heights["heights_mm"].as_array_mut().into_iter().flatten() {
+                if self.byte() < share / 2 {
+                    *height = Value::Null;
+                }
+            }
+            scene["chest"] = json!({ "grid": heights });
         }
         if self.byte() < 128 {
             scene["thickness_field"] = grid(self, "factors", 0.6, 2.0);

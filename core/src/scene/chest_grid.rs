@@ -1,10 +1,11 @@
 //! A chest wall by a grid of heights, as a scan gives it.
 
 use super::chest::LEAST_OF_TISSUE;
+use super::continued::{Continuation, bend};
 use super::{Scene, SceneError, grid, out_of_range, problem};
 use crate::curve::{number, present, whole};
 use crate::mesh::{Chest, HeightGrid, ThicknessField};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -30,10 +31,11 @@ pub struct HeightsGrid {
     /// Rows, along y, 4 to 257.
     #[serde(deserialize_with = "whole")]
     pub rows: usize,
-    /// Row by row, x fastest, from −x, −y, −1000 to 1000 \[mm\].
+    /// Row by row, x fastest, from −x, −y, −1000 to 1000 \[mm\]; `null` where the scan has no data: there, and beyond a small grid, the
+    /// wall is continued. Data cover 60 % of the simulated tissue and 90 % of the pocket at least.
     #[serde(serialize_with = "grid::written", deserialize_with = "grid::read")]
-    #[schemars(with = "Vec<f64>")]
-    pub heights_mm: Arc<[f64]>,
+    #[schemars(with = "Vec<Option<f64>>")]
+    pub heights_mm: Arc<[Option<f64>]>,
     /// Standard deviation of a Gaussian mean that smooths the heights \[mm\], 0 to 20; planes stay. Default: 0, the heights as given.
     #[serde(default, deserialize_with = "present", skip_serializing_if = "is_zero")]
     pub smooth_mm: f64,
@@ -63,6 +65,9 @@ const LEAST_SPREAD: f64 = 0.3;
 const DIRECTIONS: usize = 48;
 const LENGTHS: usize = 8;
 
+/// Least shares of pocket and simulated tissue with data \[-\].
+const SHARES: [(f64, &str); 2] = [(0.9, "pocket"), (0.6, "simulated tissue")];
+
 const PATH: &str = "chest.grid";
 /// The error of a chest with radii and a grid.
 pub(super) const BOTH: &str = "both radii and a grid; allowed: one of them";
@@ -89,17 +94,90 @@ impl Scene {
             let allowed = format!("{} to {} mm", SMOOTH_MM.0, SMOOTH_MM.1);
             return Err(out_of_range("chest.grid.smooth_mm", number(*smooth_mm), &allowed));
         }
-        let heights = HeightGrid::new(*spacing_mm, counts, grid.smoothed());
-        let heights = heights.ok_or_else(|| problem(PATH, "no grid of numbers"))?;
-        let tilt = tilt(&heights);
+        let whole = grid.whole().map(|heights| {
+            let heights = HeightGrid::new(*spacing_mm, counts, heights);
+            heights.map(Chest::Grid).ok_or_else(|| problem(PATH, "no grid of numbers"))
+        });
+        let whole = whole.transpose()?.filter(|wall| {
+            let reach = self.feet(wall, LENGTHS).map(|(foot, _)| foot.truncate().abs());
+            let reach = reach.fold(DVec2::ZERO, DVec2::max);
+            form.check_reach(counts, reach.to_array()).is_ok()
+        });
+        let (wall, counts) = match whole {
+            Some(wall) => (wall, counts),
+            None => self.continued_wall(grid, &form, thickness)?,
+        };
+        let tilt = tilt(&wall);
         if tilt > TILTS.0 {
             let allowed = format!("up to {}°", TILTS.0);
             let value = format!("tilted by {tilt:.0}° at the pocket's centre");
             return Err(out_of_range(PATH, value, &allowed));
         }
-        let wall = Chest::Grid(heights);
         self.check_wall(&wall, thickness, &form, counts)?;
         Ok(Some(wall))
+    }
+
+    /// The wall of a grid with gaps or beyond a small one, and the numbers of its heights.
+    fn continued_wall(
+        &self,
+        grid: &HeightsGrid,
+        form: &grid::Form,
+        thickness: Option<&ThicknessField>,
+    ) -> Result<(Chest, [usize; 2]), SceneError> {
+        let patch = self.patch_radius();
+        let none = || {
+            let size = form.check_reach([grid.columns, grid.rows], [patch; 2]).err();
+            size.unwrap_or_else(|| unknown(0.0, SHARES[1]))
+        };
+        let mut continuation = self.continuation(grid, thickness).ok_or_else(none)?;
+        let shares = continuation.shares(self.ends()).ok_or_else(none)?;
+        for (share, least) in shares.into_iter().zip(SHARES) {
+            if share < least.0 {
+                return Err(unknown(share, least));
+            }
+        }
+        if grid.smooth_mm > 0.0 {
+            let smooth = grid.smoothed(continuation.counts(), continuation.shortest());
+            continuation.replace(&smooth);
+        }
+        let wall = continuation.wall(patch, self.tissue_at(thickness)).ok_or_else(none)?;
+        Ok((wall, continuation.counts()))
+    }
+
+    /// The grid with what continues it.
+    fn continuation(
+        &self,
+        grid: &HeightsGrid,
+        thickness: Option<&ThicknessField>,
+    ) -> Option<Continuation> {
+        let HeightsGrid { spacing_mm, columns, rows, heights_mm, .. } = grid;
+        let skin = self.layers[0].thickness_mm;
+        let solids = self.tissue_mm() - skin;
+        let thickest = skin + solids * thickness.map_or(1.0, ThicknessField::greatest);
+        Continuation::new(
+            (*spacing_mm, [*columns, *rows]),
+            heights_mm,
+            self.patch_radius(),
+            thickest,
+        )
+    }
+
+    /// Radii of pocket and simulated tissue \[mm\].
+    fn ends(&self) -> [f64; 2] {
+        [self.pocket_radius_mm, self.patch_radius()]
+    }
+
+    /// Thickness of the tissue as a function of lengths along the wall \[mm\].
+    fn tissue_at(&self, thickness: Option<&ThicknessField>) -> impl Fn(DVec2) -> f64 {
+        let skin = self.layers[0].thickness_mm;
+        let solids = self.tissue_mm() - skin;
+        move |along| skin + solids * thickness.map_or(1.0, |field| field.factor(along))
+    }
+
+    /// Points of a wall and normals on a ring of the check.
+    fn feet(&self, wall: &Chest, ring: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let length = self.patch_radius() * ring as f64 / LENGTHS as f64;
+        (0..DIRECTIONS).map(move |k| wall.foot_and_normal(way(k) * length))
     }
 
     /// Checks that the tissue fits onto a wall.
@@ -110,11 +188,7 @@ impl Scene {
         form: &grid::Form,
         counts: [usize; 2],
     ) -> Result<(), SceneError> {
-        let (patch, skin) = (self.patch_radius(), self.layers[0].thickness_mm);
-        let solids = self.tissue_mm() - skin;
-        // Lengths along the wall, as the thickness field has them.
-        let tissue =
-            |along: DVec2| skin + solids * thickness.map_or(1.0, |field| field.factor(along));
+        let (patch, tissue) = (self.patch_radius(), self.tissue_at(thickness));
         // Beyond the grid its margin goes on: there the grid's size is the reason.
         let refused = |value: String, place: DVec2, allowed: &str| {
             let size = form.check_reach(counts, place.abs().to_array()).err();
@@ -124,9 +198,7 @@ impl Scene {
         let mut reach = DVec2::ZERO;
         for ring in 1..=LENGTHS {
             let length = patch * ring as f64 / LENGTHS as f64;
-            let along = |k: usize| DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64) * length;
-            let foot = |k: usize| wall.foot_and_normal(along(k));
-            let feet: Vec<_> = (0..DIRECTIONS).map(foot).collect();
+            let feet: Vec<_> = self.feet(wall, ring).collect();
             for (k, (point, normal)) in feet.iter().enumerate() {
                 let place = point.truncate();
                 if normal.z.is_nan() || normal.z < LEAST_UP {
@@ -139,9 +211,8 @@ impl Scene {
                 if spread < LEAST_SPREAD * TAU * length / DIRECTIONS as f64 {
                     return refused("too uneven".to_owned(), place, "a smooth wall");
                 }
-                let [xx, xy, yy] = wall.curvature(place);
-                let bend = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
-                let least = LEAST_OF_TISSUE * tissue(along(k));
+                let bend = bend(wall, place);
+                let least = LEAST_OF_TISSUE * tissue(way(k) * length);
                 if bend * least > 1.0 {
                     let value = format!("hollow with a radius of {:.0} mm", 1.0 / bend);
                     let allowed =
@@ -159,31 +230,65 @@ impl Scene {
         let (Chest::Grid(heights), Some(ChestGrid { grid })) = (wall, &self.chest_grid) else {
             return Vec::new();
         };
-        let tilt = tilt(heights);
+        let tilt = tilt(wall);
         let tilted = (tilt > TILTS.1).then(|| {
             format!(
                 "The grid of the chest is tilted by {tilt:.0}° at the pocket's centre; heights count from the plane that \
                  touches it there."
             )
         });
+        let whole = grid.whole().filter(|_| heights.counts() == [grid.columns, grid.rows]);
+        let is_whole = whole.is_some();
+        let continuation = || self.continuation(grid, self.thickness().ok()?.as_ref());
         let smoothed = (grid.smooth_mm > 0.0).then(|| {
-            let moved = grid.smoothed();
-            let moves =
-                moved.iter().zip(&*grid.heights_mm).map(|(after, before)| (after - before).abs());
+            let moved = match whole {
+                Some(heights) => heights,
+                None => continuation().map_or_else(Vec::new, |continuation| {
+                    let smooth = grid.smoothed(continuation.counts(), continuation.shortest());
+                    continuation.given(&smooth)
+                }),
+            };
+            let known = moved.iter().zip(&*grid.heights_mm);
+            let moves = known.filter_map(|(after, before)| Some((after - (*before)?).abs()));
             format!(
                 "The heights of the chest are smoothed by {} mm; they moved by up to {:.1} mm.",
                 number(grid.smooth_mm),
                 moves.fold(0.0, f64::max)
             )
         });
-        tilted.into_iter().chain(smoothed).collect()
+        let shares = (!is_whole).then(|| continuation()?.shares(self.ends())).flatten();
+        let continued = shares.map(|shares| {
+            let [pocket, tissue] = shares.map(|share| 100.0 * (1.0 - share));
+            format!(
+                "The heights of the chest are continued over {tissue:.1} % of the tissue and {pocket:.1} % of the pocket, where \
+                 the grid has none."
+            )
+        });
+        tilted.into_iter().chain(smoothed).chain(continued).collect()
     }
 }
 
+/// The error of data that cover too small a share.
+fn unknown(share: f64, (least, what): (f64, &str)) -> SceneError {
+    let value = format!("known over {:.0} % of the {what}", (100.0 * share).floor());
+    let allowed = format!("{:.0} % or more", 100.0 * least);
+    out_of_range("chest.grid.heights_mm", value, &allowed)
+}
+
+/// Direction of a geodesic of the check.
+fn way(k: usize) -> DVec2 {
+    DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64)
+}
+
 impl HeightsGrid {
-    /// The heights after their smoothing \[mm\].
-    fn smoothed(&self) -> Vec<f64> {
-        let mut heights = self.heights_mm.to_vec();
+    /// The heights after their smoothing \[mm\]; `None` with gaps.
+    fn whole(&self) -> Option<Vec<f64>> {
+        let heights: Option<Vec<f64>> = self.heights_mm.iter().copied().collect();
+        Some(self.smoothed([self.columns, self.rows], heights?))
+    }
+
+    /// Heights of columns and rows after the smoothing \[mm\].
+    fn smoothed(&self, [columns, rows]: [usize; 2], mut heights: Vec<f64>) -> Vec<f64> {
         let deviation = self.smooth_mm / self.spacing_mm;
         if deviation <= 0.0 {
             return heights;
@@ -194,7 +299,7 @@ impl HeightsGrid {
         let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
         let mut line = Vec::new();
         for (lines, count, step, stride) in
-            [(self.rows, self.columns, self.columns, 1), (self.columns, self.rows, 1, self.columns)]
+            [(rows, columns, columns, 1), (columns, rows, 1, columns)]
         {
             for first in (0..lines).map(|line| line * step) {
                 line.clear();
@@ -218,7 +323,8 @@ impl HeightsGrid {
 }
 
 /// Angle of the grid's tangent plane at its centre \[degrees\].
-fn tilt(heights: &HeightGrid) -> f64 {
+fn tilt(wall: &Chest) -> f64 {
+    let Chest::Grid(heights) = wall else { return 0.0 };
     DVec2::from(heights.tilt()).length().atan().to_degrees()
 }
 
@@ -233,7 +339,7 @@ mod tests {
         let half = 0.5 * (columns - 1) as f64;
         let place =
             |k: usize| DVec2::new((k % columns) as f64 - half, (k / columns) as f64 - half) * 5.0;
-        let heights_mm = (0..columns * columns).map(|k| height(place(k))).collect();
+        let heights_mm = (0..columns * columns).map(|k| Some(height(place(k)))).collect();
         let grid =
             HeightsGrid { spacing_mm: 5.0, columns, rows: columns, heights_mm, smooth_mm: 0.0 };
         Scene { chest_grid: Some(ChestGrid { grid }), ..Scene::default() }
@@ -297,17 +403,20 @@ mod tests {
                 "chest.grid.heights_mm is a list of 2601; allowed: 2550 numbers",
             ),
             (
-                with(&|grid| grid.heights_mm = [f64::NAN; 2601].into()),
+                with(&|grid| grid.heights_mm = [Some(f64::NAN); 2601].into()),
                 "chest.grid.heights_mm[0] is NaN; allowed: -1000 to 1000 mm",
             ),
-            (line(&scene(31, sphere(150.0))), "chest.grid is 150 mm wide; allowed: 229 mm or more"),
+            (
+                line(&scene(31, sphere(150.0))),
+                "chest.grid.heights_mm is known over 56 % of the simulated tissue; allowed: 60 % or more",
+            ),
             (line(&scene(51, |at| -at.x * at.x / 20.0)), "chest.grid is steep by "),
             (
                 line(&scene(61, |at| 0.6 * at.x)),
                 "chest.grid is tilted by 31° at the pocket's centre; allowed: up to 20°",
             ),
             // Steep only where the grid's margin goes on.
-            (line(&scene(21, |at| -at.x.powi(4) / 5e5)), "chest.grid is 100 mm wide; allowed: "),
+            (line(&scene(21, |at| -at.x.powi(4) / 5e5)), "chest.grid.heights_mm is known over "),
             (
                 line(&scene(61, |at| 3.0 * (0.3 * at.x).cos())),
                 "chest.grid is hollow with a radius of ",
@@ -322,15 +431,7 @@ mod tests {
         let mut both = round.clone();
         both.chest = Some(ChestShape::USUAL);
         assert!(line(&both).starts_with("chest: both radii and a grid"));
-        let text = round.to_json().replacen("\"heights_mm\": [", "\"heights_mm\": [null,", 1);
-        let error = Scene::from_json(&text).unwrap_err().to_string();
-        assert!(
-            error.starts_with("chest.grid.heights_mm[0] is null; allowed: a number"),
-            "{error}"
-        );
-        let text = text
-            .replacen("\"grid\"", "\"radius_across_mm\": 140, \"grid\"", 1)
-            .replace("[null,", "[");
+        let text = round.to_json().replacen("\"grid\"", "\"radius_across_mm\": 140, \"grid\"", 1);
         let error = Scene::from_json(&text).unwrap_err().to_string();
         assert!(error.starts_with("chest: both radii and a grid"), "{error}");
     }
@@ -365,12 +466,12 @@ mod tests {
             scene.chest_grid.as_mut().unwrap().grid.smooth_mm = 6.0;
             scene
         };
-        let heights = |scene: &Scene| scene.chest_grid.as_ref().unwrap().grid.smoothed();
+        let heights = |scene: &Scene| scene.chest_grid.as_ref().unwrap().grid.whole().unwrap();
         let plane = smoothed(&|at| 0.03 * at.x - 0.02 * at.y + 1.0);
         for (after, before) in
             heights(&plane).iter().zip(&*plane.chest_grid.clone().unwrap().grid.heights_mm)
         {
-            assert!((after - before).abs() < 1e-12);
+            assert!((after - before.unwrap()).abs() < 1e-12);
         }
         // A Gaussian mean lowers a wave cos(kx) by exp(-k²σ²/2).
         let wave = smoothed(&|at| 1.5 * (0.2 * at.x).cos());

@@ -4,8 +4,9 @@ use super::pins::document_json;
 use super::{Document, Scene};
 use serde_json::{Value, json};
 
-/// The only field in which the format has `null`, and one that is any value.
-const ALLOWED: [&str; 2] = ["chest.radius_along_mm", "id"];
+/// The only fields in which the format has `null`, and one that is any value.
+const ALLOWED: [&str; 4] =
+    ["chest.radius_along_mm", "chest.grid.heights_mm[0]", "chest.grid.heights_mm[1]", "id"];
 
 /// Scenes that have every field of the format between them.
 fn scenes() -> Vec<Value> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::Arc;
 
 /// Numbers a side.
-const COUNTS: (usize, usize) = (4, 257);
+pub(super) const COUNTS: (usize, usize) = (4, 257);
 /// Distances of neighbouring numbers \[mm\].
 const SPACING_MM: (f64, f64) = (0.5, 50.0);
 /// Most numbers of a grid.
@@ -22,11 +22,11 @@ pub(super) struct Form {
 }
 
 impl Form {
-    /// Checks spacing, numbers a side, and numbers with a unit.
-    pub(super) fn check(
+    /// Checks spacing, numbers a side, and numbers with a unit, of which some may be absent.
+    pub(super) fn check<T: Copy + Into<Option<f64>>>(
         &self,
         counts: [usize; 2],
-        values: &[f64],
+        values: &[T],
         (least, most): (f64, f64),
         unit: &str,
     ) -> Result<(), SceneError> {
@@ -47,11 +47,12 @@ impl Form {
             let allowed = format!("{expected} numbers, columns times rows");
             return Err(out_of_range(&path(self.values), value, &allowed));
         }
-        match values.iter().position(|value| !(least..=most).contains(value)) {
-            Some(k) => {
+        let known = values.iter().enumerate().filter_map(|(k, value)| Some((k, (*value).into()?)));
+        match known.into_iter().find(|(_, value)| !(least..=most).contains(value)) {
+            Some((k, value)) => {
                 let member = format!("{}[{k}]", self.values);
                 let allowed = format!("{} to {} {unit}", number(least), number(most));
-                Err(out_of_range(&path(&member), number(values[k]), allowed.trim_end()))
+                Err(out_of_range(&path(&member), number(value), allowed.trim_end()))
             }
             None => Ok(()),
         }
@@ -77,10 +78,15 @@ impl Form {
     }
 }
 
-pub(super) fn written<S: Serializer>(values: &Arc<[f64]>, to: S) -> Result<S::Ok, S::Error> {
+pub(super) fn written<S: Serializer, T: Serialize>(
+    values: &Arc<[T]>,
+    to: S,
+) -> Result<S::Ok, S::Error> {
     values.as_ref().serialize(to)
 }
 
-pub(super) fn read<'de, D: Deserializer<'de>>(reader: D) -> Result<Arc<[f64]>, D::Error> {
-    List::<f64, MOST>::deserialize(reader).map(|list| list.0.into())
+pub(super) fn read<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    reader: D,
+) -> Result<Arc<[T]>, D::Error> {
+    List::<T, MOST>::deserialize(reader).map(|list| list.0.into())
 }

@@ -149,7 +149,7 @@ impl Scene {
             let row = move |j: usize| (first + j) * grid.side() + first;
             (0..side_of_grid).flat_map(move |j| row(j)..row(j) + side_of_grid)
         };
-        let heights = nodes().map(|node| rounded(fit.wall_mm[node], DECIMALS.0));
+        let heights = nodes().map(|node| Some(rounded(fit.wall_mm[node], DECIMALS.0)));
         let factors = nodes().map(|node| {
             let factor = (fit.thickness_mm[node] - skin_mm) / solids_mm;
             rounded(factor.clamp(FACTORS.0, FACTORS.1), DECIMALS.1)

@@ -266,7 +266,7 @@ mod tests {
                 scene.thickness_field = Some(even);
             },
             |scene: &mut Scene| {
-                let heights_mm = [0.0; 16].into();
+                let heights_mm = [Some(0.0); 16].into();
                 let grid = HeightsGrid {
                     spacing_mm: 10.0,
                     columns: 4,

@@ -81,7 +81,7 @@ fn wall(scene: &Scene, bumps: &[Bump]) -> ChestGrid {
             bump.height_mm * (-at.distance_squared(bump.at) / bump.width_mm.powi(2)).exp()
         };
         let height: f64 = usual.height(at) + bumps.iter().map(bump).sum::<f64>();
-        (1e4 * height).round() / 1e4
+        Some((1e4 * height).round() / 1e4)
     };
     let heights_mm = (0..columns * columns).map(height).collect();
     let grid =

@@ -43,6 +43,12 @@ impl HeightGrid {
         reach(&self.heights, self.spacing)
     }
 
+    /// Heights a row and a column.
+    #[must_use]
+    pub fn counts(&self) -> [usize; 2] {
+        self.heights.counts()
+    }
+
     /// Distance of neighbouring heights.
     #[must_use]
     pub fn spacing(&self) -> f64 {

@@ -1,0 +1,470 @@
+//! A chest wall continued where its scan has no heights: by a quadric into which the data blend.
+//!
+//! The quadric q minimises Σω(z − q)² with ω = min(1, 4 mm/|z − q|) (Huber, renewed 8 times); where one of its curvatures is out of bounds,
+//! q is fitted again with the curvatures at their bounds. The difference r = z − q keeps its values at the data and minimises
+//! ∫ |∇∇r|² + (2/ℓ²)|∇r|² + r²/ℓ⁴ elsewhere, a thin plate in tension on a foundation: beside a straight edge r falls as
+//! (1 + d/ℓ) exp(−d/ℓ), with ℓ = 5 mm to 9 % within 20 mm, and the slope is continuous. ℓ grows up to 40 mm where the blend of a
+//! smaller ℓ would be hollower than the tissue allows.
+
+use super::grid::COUNTS;
+use crate::body::chest::{Quadric, solved};
+use crate::mesh::{Chest, HeightGrid};
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// Lengths ℓ of the blend, tried in this order \[mm\].
+const LENGTHS_MM: [f64; 6] = [5.0, 8.0, 12.0, 18.0, 27.0, 40.0];
+/// Least radius of a hollow of the continuation at the nodes, and of the quadric \[thicknesses of the tissue\]; between the nodes a
+/// scene allows 2.
+const HOLLOWS: (f64, f64) = (2.5, 3.0);
+/// Least radius of curvature of the quadric outwards \[radii of the simulated tissue\], as of a chest by radii.
+const LEAST_OF_PATCH: f64 = 0.75;
+/// Difference from the quadric beyond which a height loses weight \[mm\], and renewals of the weights.
+const HUBER: (f64, usize) = (4.0, 8);
+/// Weight of curvatures at their bounds \[heights\].
+const FIRM: f64 = 1e8;
+/// Unit of length of the quadric's coefficients \[mm\].
+const UNIT_MM: f64 = 100.0;
+/// Directions in which the edges of pocket and tissue are traced.
+const DIRECTIONS: usize = 48;
+/// A grid of half as many nodes a side gives the first guess while spacings are below this \[ℓ\] and sides have more nodes than that.
+const COARSEN: (f64, usize) = (0.5, 16);
+/// Iterations of conjugate gradients, and the residual that ends these \[first residual\].
+const ITERATIONS: (usize, f64) = (150, 1e-6);
+
+/// Heights with gaps on a grid, and the quadric that continues them.
+pub(super) struct Continuation {
+    counts: [usize; 2],
+    /// Columns and rows of them beyond the given grid on either side.
+    more: [usize; 2],
+    spacing_mm: f64,
+    heights: Vec<Option<f64>>,
+    quadric: Quadric,
+}
+
+impl Continuation {
+    /// Of heights with a spacing, on a grid that is extended until it covers the simulated tissue of a radius \[mm\] but for a
+    /// spacing; `tissue_mm` is the greatest thickness. `None` for a grid that is too small, and heights that determine no quadric.
+    pub(super) fn new(
+        (spacing_mm, counts): (f64, [usize; 2]),
+        given: &[Option<f64>],
+        patch_mm: f64,
+        tissue_mm: f64,
+    ) -> Option<Self> {
+        let more = counts.map(|count| {
+            let lacks = patch_mm / spacing_mm - 1.0 - 0.5 * (count - 1) as f64;
+            lacks.ceil().max(0.0) as usize
+        });
+        let wide = [0, 1].map(|axis| counts[axis] + 2 * more[axis]);
+        if wide.into_iter().max()? > COUNTS.1 {
+            return None;
+        }
+        let at = |k: usize| {
+            let (column, row) = ((k % wide[0]).checked_sub(more[0])?, k / wide[0]);
+            let row = row.checked_sub(more[1])?;
+            let is_given = column < counts[0] && row < counts[1];
+            given[if is_given { row * counts[0] + column } else { return None }]
+        };
+        let heights = (0..wide[0] * wide[1]).map(at).collect();
+        let quadric = Quadric::default();
+        let mut found = Self { counts: wide, more, spacing_mm, heights, quadric };
+        let least_mm = [LEAST_OF_PATCH * patch_mm, HOLLOWS.1 * tissue_mm];
+        found.quadric = through(&found.data(), least_mm)?;
+        Some(found)
+    }
+
+    /// The known heights at their places.
+    fn data(&self) -> Vec<(DVec2, f64)> {
+        let known = self.heights.iter().enumerate();
+        known.filter_map(|(k, height)| Some((self.place(k), (*height)?))).collect()
+    }
+
+    fn place(&self, k: usize) -> DVec2 {
+        let at = [k % self.counts[0], k / self.counts[0]].map(|k| k as f64);
+        let [columns, rows] = self.counts.map(|count| 0.5 * (count - 1) as f64);
+        DVec2::new(at[0] - columns, at[1] - rows) * self.spacing_mm
+    }
+
+    /// Heights a row and a column.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        self.counts
+    }
+
+    /// Shares of the nodes with data within lengths along the quadric \[-\].
+    pub(super) fn shares<const N: usize>(&self, lengths_mm: [f64; N]) -> Option<[f64; N]> {
+        let nodes = || (0..self.heights.len()).map(|k| (k, self.place(k)));
+        let smooth = nodes().map(|(_, place)| self.quadric.at(place)).collect();
+        let wall = Chest::Grid(HeightGrid::new(self.spacing_mm, self.counts, smooth)?);
+        Some(lengths_mm.map(|length| {
+            let edge = |k: usize| {
+                let way = DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64);
+                wall.foot_and_normal(way * length).0.truncate().length()
+            };
+            let edges: Vec<f64> = (0..DIRECTIONS).map(edge).collect();
+            let is_within = |place: DVec2| {
+                let turn = place.to_angle().rem_euclid(TAU) / TAU * DIRECTIONS as f64;
+                let edge = edges[turn.round() as usize % DIRECTIONS];
+                place.length() <= edge.max(self.spacing_mm)
+            };
+            let within = nodes().filter(|(_, place)| is_within(*place));
+            let known = within.clone().filter(|(k, _)| self.heights[*k].is_some()).count();
+            known as f64 / within.count().max(1) as f64
+        }))
+    }
+
+    /// Of values on the extended grid those on the grid as given.
+    pub(super) fn given(&self, of: &[f64]) -> Vec<f64> {
+        let [columns, rows] = self.more;
+        let (width, height) = (self.counts[0] - 2 * columns, self.counts[1] - 2 * rows);
+        let row = |j: usize| &of[(rows + j) * self.counts[0] + columns..][..width];
+        (0..height).flat_map(row).copied().collect()
+    }
+
+    /// Replaces the known heights.
+    pub(super) fn replace(&mut self, by: &[f64]) {
+        for (known, by) in self.heights.iter_mut().zip(by) {
+            if let Some(known) = known {
+                *known = *by;
+            }
+        }
+    }
+
+    /// The wall with the shortest blend that is nowhere hollower than the tissue at a place allows, otherwise with the longest one.
+    pub(super) fn wall(&self, patch_mm: f64, tissue_mm: impl Fn(DVec2) -> f64) -> Option<Chest> {
+        let open: Vec<DVec2> = (0..self.heights.len())
+            .filter(|&k| self.is_beside_open(k))
+            .map(|k| self.place(k))
+            .filter(|place| place.length() <= patch_mm)
+            .collect();
+        let mut wall = None;
+        for length in LENGTHS_MM {
+            let heights = self.continued(length);
+            let found = Chest::Grid(HeightGrid::new(self.spacing_mm, self.counts, heights)?);
+            let fits = |place: &DVec2| bend(&found, *place) * HOLLOWS.0 * tissue_mm(*place) <= 1.0;
+            let is_smooth = open.iter().all(fits);
+            wall = Some(found);
+            if is_smooth {
+                break;
+            }
+        }
+        wall
+    }
+
+    /// Has a node or one beside it no height?
+    fn is_beside_open(&self, k: usize) -> bool {
+        let [columns, rows] = self.counts;
+        let (i, j) = (k % columns, k / columns);
+        let open = |row: usize| {
+            let row = &self.heights[row * columns..][..columns];
+            row[i.saturating_sub(1)..(i + 2).min(columns)].iter().any(Option::is_none)
+        };
+        (j.saturating_sub(1)..(j + 2).min(rows)).any(open)
+    }
+
+    /// All heights, continued with a length of the blend \[mm\].
+    fn continued(&self, length_mm: f64) -> Vec<f64> {
+        let is_open: Vec<bool> = self.heights.iter().map(Option::is_none).collect();
+        let smooth: Vec<f64> =
+            (0..self.heights.len()).map(|k| self.quadric.at(self.place(k))).collect();
+        let apart = self.heights.iter().zip(&smooth);
+        let mut apart: Vec<f64> =
+            apart.map(|(height, smooth)| height.map_or(0.0, |height| height - smooth)).collect();
+        let plate = Plate { counts: self.counts, tension: (self.spacing_mm / length_mm).powi(2) };
+        plate.fill(&mut apart, &is_open);
+        let filled = apart.iter().zip(&smooth).map(|(apart, smooth)| smooth + apart);
+        self.heights.iter().zip(filled).map(|(height, filled)| height.unwrap_or(filled)).collect()
+    }
+
+    /// All heights with the shortest blend.
+    pub(super) fn shortest(&self) -> Vec<f64> {
+        self.continued(LENGTHS_MM[0])
+    }
+}
+
+/// Greatest second derivative of a wall over all directions \[1/mm\], positive in a hollow.
+pub(super) fn bend(wall: &Chest, place: DVec2) -> f64 {
+    let [xx, xy, yy] = wall.curvature(place);
+    0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)
+}
+
+/// The quadric through heights, of least radii of curvature outwards and in a hollow \[mm\].
+fn through(data: &[(DVec2, f64)], [outwards, hollow]: [f64; 2]) -> Option<Quadric> {
+    let free = fitted(data, None)?;
+    let [_, _, _, xx, xy, yy] = free.coefficients;
+    let (mean, turned) = (xx + yy, (xx - yy).hypot(xy));
+    let unit = UNIT_MM * UNIT_MM;
+    let held =
+        [mean - turned, mean + turned].map(|bend| bend.clamp(-unit / outwards, unit / hollow));
+    if held == [mean - turned, mean + turned] {
+        return Some(free);
+    }
+    let factor = 0.5 * (held[1] - held[0]) / turned.max(f64::MIN_POSITIVE);
+    let (mean, apart) = (0.25 * (held[0] + held[1]), 0.5 * (xx - yy) * factor);
+    fitted(data, Some([mean + apart, xy * factor, mean - apart]))
+}
+
+/// The quadric through heights, with free or given curvatures.
+fn fitted(data: &[(DVec2, f64)], bends: Option<[f64; 3]>) -> Option<Quadric> {
+    let mut found: Option<Quadric> = None;
+    for _ in 0..=HUBER.1 {
+        let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
+        for (place, height) in data {
+            let apart = found.map_or(0.0, |q| (height - q.at(*place)).abs());
+            let weight = if apart > HUBER.0 { HUBER.0 / apart } else { 1.0 } / data.len() as f64;
+            let DVec2 { x, y } = *place / UNIT_MM;
+            let row = [1.0, x, y, x * x, x * y, y * y];
+            for i in 0..6 {
+                right[i] += weight * row[i] * height;
+                for j in 0..6 {
+                    matrix[i][j] += weight * row[i] * row[j];
+                }
+            }
+        }
+        for (k, bend) in bends.into_iter().flatten().enumerate() {
+            matrix[3 + k][3 + k] += FIRM;
+            right[3 + k] += FIRM * bend;
+        }
+        found = Some(Quadric { coefficients: solved(matrix, right)? });
+    }
+    found
+}
+
+/// A thin plate in tension on a foundation, on a grid of nodes.
+struct Plate {
+    counts: [usize; 2],
+    /// Squared spacing \[ℓ²\].
+    tension: f64,
+}
+
+impl Plate {
+    /// Fills the open nodes.
+    fn fill(&self, values: &mut [f64], is_open: &[bool]) {
+        let [columns, rows] = self.counts;
+        if self.tension < COARSEN.0 * COARSEN.0 && columns.min(rows) > COARSEN.1 {
+            let counts = self.counts.map(|count| count / 2 + 1);
+            let nodes = counts[0] * counts[1];
+            // The last coarse node may stand beyond the grid: there it takes the edge's place.
+            let fine = |k: usize| {
+                let at = [2 * (k % counts[0]), 2 * (k / counts[0])];
+                at[1].min(rows - 1) * columns + at[0].min(columns - 1)
+            };
+            let mut coarse: Vec<f64> = (0..nodes).map(|k| values[fine(k)]).collect();
+            let open: Vec<bool> = (0..nodes).map(|k| is_open[fine(k)]).collect();
+            Self { counts, tension: 4.0 * self.tension }.fill(&mut coarse, &open);
+            for (k, value) in values.iter_mut().enumerate().filter(|(k, _)| is_open[*k]) {
+                let at = [k % columns, k / columns];
+                let four = [0, 1].map(|axis| [at[axis] / 2, at[axis].div_ceil(2)]);
+                let sum = |j: usize| four[0].map(|i| coarse[j * counts[0] + i]).iter().sum::<f64>();
+                *value = 0.25 * four[1].map(sum).iter().sum::<f64>();
+            }
+        }
+        self.relax(values, is_open);
+    }
+
+    /// Conjugate gradients for the open nodes.
+    fn relax(&self, values: &mut [f64], is_open: &[bool]) {
+        let mut product = vec![0.0; values.len()];
+        self.forces(values, is_open, &mut product);
+        let mut residual: Vec<f64> = product.iter().map(|force| -force).collect();
+        let mut way = residual.clone();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut square = dot(&residual, &residual);
+        let least = ITERATIONS.1 * ITERATIONS.1 * square;
+        for _ in 0..ITERATIONS.0 {
+            if square <= least {
+                return;
+            }
+            self.forces(&way, is_open, &mut product);
+            let step = square / dot(&way, &product);
+            for k in 0..values.len() {
+                values[k] += step * way[k];
+                residual[k] -= step * product[k];
+            }
+            let next = dot(&residual, &residual);
+            for (way, residual) in way.iter_mut().zip(&residual) {
+                *way = residual + next / square * *way;
+            }
+            square = next;
+        }
+    }
+
+    /// The energy's derivatives by the values of the open nodes, zero at the others.
+    fn forces(&self, values: &[f64], is_open: &[bool], forces: &mut [f64]) {
+        let [columns, rows] = self.counts;
+        for (force, value) in forces.iter_mut().zip(values) {
+            *force = self.tension * self.tension * value;
+        }
+        // Half the energy's derivative of a weighted square of a combination of values.
+        let mut add = |nodes: &[usize], by: &[f64], weight: f64| {
+            let sum: f64 = nodes.iter().zip(by).map(|(k, by)| by * values[*k]).sum();
+            for (k, by) in nodes.iter().zip(by) {
+                forces[*k] += weight * sum * by;
+            }
+        };
+        for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
+            let k = j * columns + i;
+            for (at, count, step) in [(i, columns, 1), (j, rows, columns)] {
+                if at + 1 < count {
+                    add(&[k, k + step], &[-1.0, 1.0], 2.0 * self.tension);
+                }
+                if at + 2 < count {
+                    add(&[k, k + step, k + 2 * step], &[1.0, -2.0, 1.0], 1.0);
+                }
+            }
+            if i + 1 < columns && j + 1 < rows {
+                let nodes = [k, k + 1, k + columns, k + columns + 1];
+                add(&nodes, &[1.0, -1.0, -1.0, 1.0], 2.0);
+            }
+        }
+        for (force, is_open) in forces.iter_mut().zip(is_open) {
+            if !is_open {
+                *force = 0.0;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ChestGrid, HeightsGrid, Scene};
+
+    const HALF: f64 = 130.0;
+
+    fn chest(at: DVec2) -> f64 {
+        Chest::Curved { across_mm: 150.0, along_mm: 400.0 }.height(at)
+    }
+
+    /// A scene with heights 5 mm apart, within a half width \[mm\].
+    fn scene(half_mm: f64, height: impl Fn(DVec2) -> Option<f64>) -> Scene {
+        let half = half_mm / 5.0;
+        let side = 2 * half as usize + 1;
+        let place = |k: usize| DVec2::new((k % side) as f64 - half, (k / side) as f64 - half) * 5.0;
+        let heights_mm = (0..side * side).map(|k| height(place(k))).collect();
+        let grid =
+            HeightsGrid { spacing_mm: 5.0, columns: side, rows: side, heights_mm, smooth_mm: 0.0 };
+        Scene { chest_grid: Some(ChestGrid { grid }), ..Scene::default() }
+    }
+
+    fn corner(at: DVec2) -> bool {
+        at.x + at.y > 100.0
+    }
+
+    fn wall(scene: &Scene) -> Chest {
+        scene.problem().unwrap().obstacle.wall.0
+    }
+
+    fn line(scene: &Scene) -> String {
+        let line = scene.validate().unwrap_err().to_string();
+        assert!(!line.contains('\n') && line.len() < 160, "{line}");
+        line
+    }
+
+    fn places() -> impl Iterator<Item = DVec2> {
+        (0..600)
+            .map(|k| DVec2::from_angle(2.4 * f64::from(k)) * (f64::from(k) / 600.0).sqrt() * 110.0)
+    }
+
+    #[test]
+    fn a_blanked_corner_is_nearly_the_wall_that_was_there_and_data_stay() {
+        let blanked = scene(HALF, |at| (!corner(at)).then(|| chest(at)));
+        let (found, exact) = (wall(&blanked), wall(&scene(HALF, |at| Some(chest(at)))));
+        let mut most: f64 = 0.0;
+        for place in places() {
+            let apart = (found.height(place) - exact.height(place)).abs();
+            if corner(place + 10.0) {
+                most = most.max(apart)
+            } else {
+                assert!(apart < 1e-2, "{place} {apart}")
+            }
+        }
+        assert!(most < 4.0, "{most}");
+        assert_eq!(Scene::from_json(&blanked.to_json()), Ok(blanked.clone()));
+        let [said] = &*blanked.chest_warnings(&found) else { panic!("one line") };
+        let start = "The heights of the chest are continued over ";
+        assert!(said.starts_with(start), "{said}");
+        assert!(
+            said.ends_with(" % of the tissue and 0.0 % of the pocket, where the grid has none.")
+        );
+        let share: f64 = said[start.len()..].split(' ').next().unwrap().parse().unwrap();
+        assert!((10.0..18.0).contains(&share), "{share}");
+    }
+
+    /// Data that end on a slope towards the plane of the rest, and with a step.
+    #[test]
+    fn a_blend_is_as_long_as_it_must_be_to_make_no_hollow() {
+        let ramp = |at: DVec2| chest(at) - 0.2 * (at.x - 60.0).max(0.0);
+        for height in [&ramp as &dyn Fn(DVec2) -> f64, &|at| {
+            chest(at) - 4.0 * (-(at.x - 85.0).powi(2) / 900.0).exp()
+        }] {
+            let blanked = scene(HALF, |at| (at.x < 82.0).then(|| height(at)));
+            let found = wall(&blanked);
+            let tissue = blanked.tissue_mm();
+            for place in places().filter(|place| place.x > 75.0) {
+                let hollow = bend(&found, place) * 2.0 * tissue;
+                assert!(hollow < 1.0, "{place}: {hollow}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_grid_goes_on_and_gaps_that_are_too_large_are_one_line() {
+        // 180 mm of a patch of 227 mm across.
+        let small = scene(90.0, |at| Some(chest(at)));
+        let found = wall(&small);
+        let exact = wall(&scene(HALF, |at| Some(chest(at))));
+        for place in places() {
+            let apart = (found.height(place) - exact.height(place)).abs();
+            assert!(
+                apart < if place.abs().max_element() < 85.0 { 1e-2 } else { 4.0 },
+                "{place} {apart}"
+            );
+        }
+        assert_eq!(small.chest_warnings(&found).len(), 1);
+        for (scene, expected) in [
+            (
+                scene(HALF, |_| None),
+                "chest.grid.heights_mm is known over 0 % of the simulated tissue; allowed: 60 % or more",
+            ),
+            (
+                scene(HALF, |at| (at.y == 0.0).then_some(0.0)),
+                "chest.grid.heights_mm is known over 0 % of the simulated tissue; allowed: 60 % or more",
+            ),
+            (
+                scene(HALF, |at| (at.x < -5.0).then(|| chest(at))),
+                "chest.grid.heights_mm is known over 4",
+            ),
+            (
+                scene(HALF, |at| (at.length() > 25.0).then(|| chest(at))),
+                "chest.grid.heights_mm is known over 8",
+            ),
+            (scene(60.0, |at| Some(chest(at))), "chest.grid.heights_mm is known over "),
+        ] {
+            let found = line(&scene);
+            assert!(found.starts_with(expected), "{found}");
+        }
+        let mut fine = scene(60.0, |at| Some(chest(at)));
+        fine.chest_grid.as_mut().unwrap().grid.spacing_mm = 0.5;
+        assert!(line(&fine).starts_with("chest.grid is 12 mm wide; allowed: "));
+        // A gap under the pocket, small enough.
+        let hole = |at: DVec2| at.distance(DVec2::new(20.0, 10.0)) < 12.0;
+        let found = wall(&scene(HALF, |at| (!hole(at)).then(|| chest(at))));
+        let apart = places().map(|place| (found.height(place) - exact.height(place)).abs());
+        let most = apart.fold(0.0, f64::max);
+        assert!(most < 0.6, "{most}");
+    }
+
+    #[test]
+    fn smoothing_a_grid_with_gaps_is_said_and_keeps_planes() {
+        let tilted = |at: DVec2| 0.03 * at.x - 0.02 * at.y + 1.0;
+        let mut plane = scene(HALF, |at| (!corner(at)).then(|| tilted(at)));
+        plane.chest_grid.as_mut().unwrap().grid.smooth_mm = 6.0;
+        let found = wall(&plane);
+        assert!(places().all(|place| found.height(place).abs() < 1e-5));
+        let said = plane.chest_warnings(&found);
+        assert_eq!(
+            said[1],
+            "The heights of the chest are smoothed by 6 mm; they moved by up to 0.0 mm."
+        );
+    }
+}
