@@ -194,7 +194,7 @@ fn a_rigid_motion_gives_the_same_scene() {
     let heights = |scene: &Scene| scene.chest_grid.as_ref().unwrap().grid.heights_mm.clone();
     // Heights are rounded to 0.1 µm: a value on the boundary may differ by one.
     let (turned, own) = (heights(&found), heights(&still));
-    let apart = turned.iter().zip(own.iter()).map(|(a, b)| (a - b).abs());
+    let apart = turned.iter().zip(own.iter()).map(|(a, b)| (a.unwrap() - b.unwrap()).abs());
     assert!(apart.fold(0.0, f64::max) < 1.01e-4);
     let frame = found.placement.as_ref().unwrap().frame();
     let origin = still.placement.as_ref().unwrap().frame().origin;

@@ -193,11 +193,12 @@ fn through(data: &[(DVec2, f64)], [outwards, hollow]: [f64; 2]) -> Option<Quadri
     let [_, _, _, xx, xy, yy] = free.coefficients;
     let (mean, turned) = (xx + yy, (xx - yy).hypot(xy));
     let unit = UNIT_MM * UNIT_MM;
-    let held =
-        [mean - turned, mean + turned].map(|bend| bend.clamp(-unit / outwards, unit / hollow));
-    if held == [mean - turned, mean + turned] {
+    let bends = [mean - turned, mean + turned];
+    let (least, most) = (-unit / outwards, unit / hollow);
+    if bends.into_iter().all(|bend| (least..=most).contains(&bend)) {
         return Some(free);
     }
+    let held = bends.map(|bend| bend.clamp(least, most));
     let factor = 0.5 * (held[1] - held[0]) / turned.max(f64::MIN_POSITIVE);
     let (mean, apart) = (0.25 * (held[0] + held[1]), 0.5 * (xx - yy) * factor);
     fitted(data, Some([mean + apart, xy * factor, mean - apart]))
@@ -373,9 +374,9 @@ mod tests {
         for place in places() {
             let apart = (found.height(place) - exact.height(place)).abs();
             if corner(place + 10.0) {
-                most = most.max(apart)
+                most = most.max(apart);
             } else {
-                assert!(apart < 1e-2, "{place} {apart}")
+                assert!(apart < 1e-2, "{place} {apart}");
             }
         }
         assert!(most < 4.0, "{most}");
