@@ -553,6 +553,8 @@ impl Choices<'_> {
 
     /// A scene with an anatomical implant, a scan of the chest and a thickness field, any of them absent, as JSON text.
     pub(crate) fn scanned_scene(&mut self) -> String {
+        // Heights without data from a corner on, or nothing but gaps: the first choice, of which every input has one.
+        let gaps = self.byte();
         let mut scene: Value = serde_json::from_str(&self.layered_scene()).expect("written above");
         if self.byte() < 128 {
             scene["implant"]["base_height_mm"] = json!(self.number(40.0, 160.0));
@@ -565,12 +567,9 @@ impl Choices<'_> {
         };
         if self.byte() < 128 {
             let mut heights = grid(self, "heights_mm", -9.0, 9.0);
-            // Any number of gaps, a few or all of them.
-            let share = self.byte();
-            for height in heights["heights_mm"].as_array_mut().into_iter().flatten() {
-                if self.byte() < share / 2 {
-                    *height = Value::Null;
-                }
+            let list = heights["heights_mm"].as_array_mut().into_iter().flatten().enumerate();
+            for (_, height) in list.filter(|(k, _)| gaps == 255 || *k < usize::from(gaps / 16)) {
+                *height = Value::Null;
             }
             scene["chest"] = json!({ "grid": heights });
         }
