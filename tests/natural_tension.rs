@@ -252,6 +252,37 @@ fn no_tension_is_todays_result_bit_for_bit() {
     assert_eq!(read, none);
 }
 
+/// With linear skin the tension above the natural one is a factor of the modulus.
+#[test]
+fn relaxed_skin_keeps_its_natural_tension_and_carries_less_of_the_implant() {
+    let relaxed = |tension: f64, relaxed: f64| {
+        let mut state = skin_state(tension, 1.0, 0.0);
+        state["relaxed"] = json!(relaxed);
+        scene(33, &json!({ "skin_state": state }))
+    };
+    for tension in [0.0, 24.0] {
+        let mut at_rest = relaxed(tension, 0.5);
+        at_rest.insertion = 0.0;
+        let stress = simulate(&at_rest).unwrap().layers[0].max_stress_kpa.unwrap();
+        let natural = tension / at_rest.layers[0].thickness_mm;
+        assert!((stress - natural).abs() < 1e-9, "{stress} {natural}");
+        let results = [1.0, 0.5, 0.05].map(|g| simulate(&relaxed(tension, g)).unwrap());
+        let [given, half, little] = results.each_ref().map(|of| of.contact_force_n.unwrap());
+        println!("{tension} N/m: {given:.2}, {half:.2}, {little:.2} N");
+        assert!(results.iter().all(|of| of.status == Status::Converged && !of.solver.fell_back));
+        assert!(given > 1.1 * half && half > 1.05 * little, "{given} {half} {little}");
+        let knee =
+            results.map(|of| of.strain.unwrap().max_principal / of.skin_reserve_used.unwrap());
+        assert!(knee.iter().all(|knee_of| (knee_of / knee[0] - 1.0).abs() < 1e-12), "{knee:?}");
+    }
+    // Without a natural tension all of the skin's stress relaxes.
+    let mut soft = scene(33, &json!({}));
+    soft.layers[0].curve.stress_scale = 0.5;
+    let [soft, half] = [soft, relaxed(0.0, 0.5)].map(|scene| simulate(&scene).unwrap());
+    let [soft, half] = [soft, half].map(|of| of.contact_force_n.unwrap());
+    assert!((half / soft - 1.0).abs() < 1e-4, "{half} {soft}");
+}
+
 #[test]
 fn a_state_of_the_skin_that_is_refused_is_refused_in_one_line() {
     let mut sheet: Value = serde_json::from_str(&Scene::sheet().to_json()).unwrap();

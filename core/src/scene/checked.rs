@@ -115,6 +115,10 @@ impl CheckedScene {
         };
         let nodes_per_side = rounded_nodes_per_side(solver.nodes_per_side);
         let sheet = Sheet::new(nodes_per_side, patch.radius_mm);
+        let mut materials = self.materials.to_vec();
+        if let (Some(body), Some(skin)) = (body, materials.first_mut()) {
+            body.skin_state.relax(skin, self.natural.as_ref());
+        }
         let (tissue, rest) = match body {
             None => (Tissue::Sheet, Rest::of_sheet(sheet)),
             Some(_) => {
@@ -140,7 +144,7 @@ impl CheckedScene {
             tissue,
             patch,
             obstacle: Obstacle::on_flat_wall(dome).over(self.wall.clone()),
-            materials: self.materials.to_vec(),
+            materials,
             springs: *springs,
             tolerance: solver.tolerance,
         }

@@ -188,6 +188,8 @@ fields! {
         "", PLAIN, "";
     TensionDirection: "skin_state.direction_deg", Body[skin_state.direction_deg], "direction of the natural tension", "°", (-180.0, 180.0), Tables;
         "", DEGREES, "";
+    Relaxed: "skin_state.relaxed", Body[skin_state.relaxed], "relaxed tension of the skin", "", (0.05, 1.0), Tables;
+        "", PLAIN, "";
     ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
         "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
     ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;
@@ -371,8 +373,12 @@ mod tests {
         scene.implant.apex_shift_mm = 12.0;
         Field::PLAIN.iter().for_each(|number| number.set(&mut scene, 0, number.limits.1));
         scene.chest = Some(ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(-400.0) });
-        scene.body.skin_state =
-            SkinState { natural_tension_n_per_m: 20.0, anisotropy: 1.5, direction_deg: -30.0 };
+        scene.body.skin_state = SkinState {
+            natural_tension_n_per_m: 20.0,
+            anisotropy: 1.5,
+            direction_deg: -30.0,
+            relaxed: 0.6,
+        };
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let json = serde_json::to_value(&scene).unwrap();

@@ -1,14 +1,15 @@
-//! The state of the skin at rest: its natural tension.
+//! The state of the skin: its natural tension at rest, and what has relaxed of the tension above it.
 
 use super::{Field, Scene, SceneError, TissueModel, out_of_range};
 use crate::curve::{number, present};
 use crate::mesh::NaturalStretch;
 use crate::springs::Material;
+use crate::springs::coupled::equivalent_strain;
 use crate::springs::tension_field::strain_of;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Tension of the skin of layered tissue at rest.
+/// Tension of the skin of layered tissue at rest, and relaxation of the tension above it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct SkinState {
@@ -21,11 +22,14 @@ pub struct SkinState {
     /// Direction of the greatest tension, from x (the patient's side) to y (the head) \[°\], −180 to 180.
     #[serde(deserialize_with = "present")]
     pub direction_deg: f64,
+    /// What is left of the tension above the natural one after relaxation \[-\], 0.05 to 1.
+    #[serde(deserialize_with = "present")]
+    pub relaxed: f64,
 }
 
 impl Default for SkinState {
     fn default() -> Self {
-        Self { natural_tension_n_per_m: 0.0, anisotropy: 1.0, direction_deg: 0.0 }
+        Self { natural_tension_n_per_m: 0.0, anisotropy: 1.0, direction_deg: 0.0, relaxed: 1.0 }
     }
 }
 
@@ -80,6 +84,18 @@ impl SkinState {
             100.0 * MOST_STRAIN
         );
         Err(out_of_range(Field::NaturalTension.path, number(given), &allowed))
+    }
+}
+
+impl SkinState {
+    /// Relaxes the curve of a skin above its strain at rest.
+    pub(super) fn relax(&self, skin: &mut Material, natural: Option<&NaturalStretch>) {
+        if self.relaxed >= 1.0 {
+            return;
+        }
+        let strain = natural.map_or([0.0; 2], |natural| natural.stretches().map(|it| it - 1.0));
+        let above = equivalent_strain(strain, skin.poisson_ratio);
+        skin.curve = skin.curve.clone().relaxed(above, self.relaxed);
     }
 }
 

@@ -181,6 +181,7 @@ fn tension(rng: &mut Rng, scene: &mut Scene) {
             natural_tension_n_per_m: log_normal(rng, TENSION).clamp(least, most),
             anisotropy: uniform(rng, ANISOTROPY),
             direction_deg: uniform(rng, DIRECTION_DEG),
+            ..SkinState::default()
         };
         if scene.validate().is_ok() {
             return;

@@ -16,6 +16,7 @@
 
 mod points;
 mod read;
+mod relaxation;
 mod scale;
 mod spec;
 
@@ -28,6 +29,7 @@ pub use scale::{SCALES, ScaledCurve};
 pub use spec::{CurveError, CurveSpec, Fat, Interpolation, Section};
 
 use points::{check_points, hermite, monotone_slopes};
+use relaxation::Relaxation;
 use std::f64::consts::FRAC_PI_2;
 
 /// End of the strain range of the analytic presets \[-\] (the paper: 0 to 1).
@@ -55,6 +57,8 @@ pub struct Curve {
     end: (f64, f64),
     /// Strain energy density at `line_start` \[kPa\].
     end_energy: f64,
+    /// What of the stress has relaxed; all other fields are those of the given curve.
+    relaxation: Option<Relaxation>,
 }
 
 /// `stress = base + shape(ε − from)` on one interval.
@@ -231,7 +235,8 @@ impl Curve {
         let end_energy = last.energy + last.base * x + last.shape.energy(x);
         // The lower bound keeps the final line increasing after a flat end.
         let end = (end.0, end.1.max(1e-6 * end.0 / line_start));
-        Ok(Self { pieces, data_end, measured_end: data_end, line_start, end, end_energy })
+        let measured_end = data_end;
+        Ok(Self { pieces, data_end, measured_end, line_start, end, end_energy, relaxation: None })
     }
 
     fn from_points(points: &[[f64; 2]], interpolation: Interpolation) -> Result<Self, CurveError> {
@@ -324,9 +329,8 @@ impl Curve {
         self.slope(1.0) > self.small_strain_modulus()
     }
 
-    /// Nominal stress \[kPa\] at an engineering strain. Finite for every finite strain.
-    #[must_use]
-    pub fn stress(&self, strain: f64) -> f64 {
+    /// [`Self::stress`] before relaxation.
+    fn given_stress(&self, strain: f64) -> f64 {
         let x = strain.abs();
         let stress = if x > self.line_start {
             self.end.0 + self.end.1 * (x - self.line_start)
@@ -337,9 +341,8 @@ impl Curve {
         stress.copysign(strain)
     }
 
-    /// Slope dEf/dε \[kPa\]; at a kink the slope of the piece above the kink.
-    #[must_use]
-    pub fn slope(&self, strain: f64) -> f64 {
+    /// [`Self::slope`] before relaxation.
+    fn given_slope(&self, strain: f64) -> f64 {
         let x = strain.abs();
         if x >= self.line_start {
             return self.end.1;
@@ -348,9 +351,8 @@ impl Curve {
         piece.shape.slope(x - piece.from)
     }
 
-    /// Strain energy density Ψ(ε) = ∫₀^ε Ef \[kPa\] (even in ε).
-    #[must_use]
-    pub fn energy(&self, strain: f64) -> f64 {
+    /// [`Self::energy`] before relaxation.
+    fn given_energy(&self, strain: f64) -> f64 {
         let x = strain.abs();
         if x > self.line_start {
             let over = x - self.line_start;
@@ -379,7 +381,8 @@ impl Curve {
     #[must_use]
     pub fn knee(&self) -> Option<f64> {
         const STEEP: f64 = 2.0;
-        let is_steep = |strain: f64| self.slope(strain) >= STEEP * self.small_strain_modulus();
+        let modulus = self.given_slope(0.0).max(1e-3 * self.given_stress(0.01) / 0.01);
+        let is_steep = |strain: f64| self.given_slope(strain) >= STEEP * modulus;
         let end = self.line_start;
         if !is_steep(end) {
             return None;
@@ -421,7 +424,8 @@ impl Curve {
     /// lose accuracy at the strains of tissue.
     #[must_use]
     pub(crate) fn table_end(&self) -> f64 {
-        self.line_start.min(MAX_STRAIN.max(self.data_end))
+        let end = self.line_start.min(MAX_STRAIN.max(self.data_end));
+        end.max(self.relaxed_above().unwrap_or_default())
     }
 
     /// Returns `true` if the strain (of either sign) lies beyond the data.
@@ -432,7 +436,8 @@ impl Curve {
 
     /// Strains at the ends of the pieces, the start of the final line last \[-\]; the slope may jump there.
     pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
-        self.pieces.iter().skip(1).map(|p| p.from).chain([self.line_start])
+        let inner = self.pieces.iter().skip(1).map(|p| p.from);
+        inner.chain([self.line_start]).chain(self.relaxed_above().filter(|strain| *strain > 0.0))
     }
 
     fn piece(&self, x: f64) -> &Piece {

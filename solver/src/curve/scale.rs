@@ -114,6 +114,7 @@ impl Curve {
             line_start: self.line_start * strain_scale,
             end: (self.end.0 * stress_scale, self.end.1 * stress_scale / strain_scale),
             end_energy: self.end_energy * energy_scale,
+            relaxation: None,
         }
     }
 }
