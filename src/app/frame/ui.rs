@@ -19,7 +19,7 @@ use crate::app::picture::{strip, view_bar};
 use crate::app::plan::advanced;
 use crate::app::plan::volume_marks::headline;
 use crate::app::texts::tr;
-use crate::app::widgets::theme;
+use crate::app::widgets::{steady, theme};
 use crate::app::{App, answer, plan};
 use crate::measure::Status;
 use crate::scene::Scene;
@@ -139,12 +139,16 @@ impl App {
         plan::side(ui, &mut scene.side, scene.placement.is_some(), Hand::Mouse);
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
-        self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
-        plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
-        plan::pocket(ui, scene, Hand::Mouse);
-        self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
-        self.tissue(ui, scene, Hand::Mouse);
-        advanced::show(ui, scene, &self.shared.session, Hand::Mouse);
+        steady(ui, "patient", |ui| {
+            self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
+        });
+        steady(ui, "below the patient", |ui| {
+            plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
+            plan::pocket(ui, scene, Hand::Mouse);
+            self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
+            self.tissue(ui, scene, Hand::Mouse);
+            advanced::show(ui, scene, &self.shared.session, Hand::Mouse);
+        });
     }
 
     /// The fold of the tissue with its push, which opens the window of a curve.
@@ -225,14 +229,18 @@ impl App {
             let seen = (&shared.session, &shared.practices);
             answer::show(ui, seen, previous, findings, &near_end);
         }
-        answer::sources(ui, &shared.session, &mut shared.practices, actions);
+        steady(ui, "sources", |ui| {
+            answer::sources(ui, &shared.session, &mut shared.practices, actions);
+        });
         panels.filling.section(ui, shared, actions);
-        shared.uncertainty.show(ui, &shared.session);
-        let sampled = |scene: &Scene| shared.uncertainty.values(scene);
-        let command =
-            compare::section(ui, &shared.session, &mut shared.compare, &sampled, &shared.practices);
-        actions.extend(command.map(Action::Session));
-        self.details(ui, layout);
+        steady(ui, "uncertainty", |ui| shared.uncertainty.show(ui, &shared.session));
+        steady(ui, "compare", |ui| {
+            let Shared { session, uncertainty, compare, practices, .. } = shared;
+            let sampled = |scene: &Scene| uncertainty.values(scene);
+            let command = compare::section(ui, session, compare, &sampled, practices);
+            actions.extend(command.map(Action::Session));
+        });
+        steady(ui, "details", |ui| self.details(ui, layout));
     }
 
     /// The largest usual volume in a sentence, which is a link to its plan.

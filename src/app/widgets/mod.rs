@@ -29,6 +29,13 @@ pub(super) fn group(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     );
 }
 
+/// A part of the screen whose controls stay themselves while lines above come and go: a press before such a change and the release
+/// behind it are a click. A name stands for one part of a frame.
+pub(super) fn steady<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let builder = egui::UiBuilder::new().scope_id(Id::unique(("steady", name)));
+    ui.scope_builder(builder, add).inner
+}
+
 /// A quiet line of small text that wraps.
 pub(super) fn remark(ui: &mut Ui, text: impl Into<String>) -> Response {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap())
@@ -170,4 +177,40 @@ pub(super) fn has_number_focus(ctx: &egui::Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
     let number = ctx.data(|data| data.get_temp::<Id>(number_field::focus_key()));
     focused.is_some() && focused == number
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Context, Event, Modifiers, PointerButton, RawInput, pos2};
+
+    /// Presses a button, adds a line without a height above it, and lets go: is that a click?
+    fn is_click(show: impl Fn(&mut Ui) -> bool) -> bool {
+        let ctx = Context::default();
+        let (mut place, mut is_clicked) = (pos2(0.0, 0.0), false);
+        for (frame, pressed) in [None, None, Some(true), None, Some(false)].into_iter().enumerate()
+        {
+            let button = pressed.map(|pressed| Event::PointerButton {
+                pos: place,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            let events = [Event::PointerMoved(place)].into_iter().chain(button).collect();
+            let mut output = ctx.run_ui(RawInput { events, ..RawInput::default() }, |ui| {
+                ui.skip_ahead_auto_ids(usize::from(frame >= 3));
+                is_clicked |= show(ui);
+                place = ui.min_rect().right_bottom() - egui::vec2(3.0, 3.0);
+            });
+            output.textures_delta.clear();
+        }
+        is_clicked
+    }
+
+    #[test]
+    fn a_press_in_a_steady_part_is_a_click_although_lines_above_come_or_go() {
+        let button = |ui: &mut Ui| ui.button("Pin as A").clicked();
+        assert!(!is_click(button));
+        assert!(is_click(|ui| steady(ui, "part", button)));
+    }
 }
