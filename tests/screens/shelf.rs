@@ -2,6 +2,7 @@
 
 use super::*;
 use implant_preview::clinical::Measurements;
+use std::f64::consts::PI;
 
 const SIZES: &str = "name;width_cm;volume_ml\nLow;11,5;200\nWide;13;300\n";
 
@@ -126,4 +127,57 @@ fn the_largest_size_of_the_shelf_is_as_wide_as_the_measured_breast_at_most() {
     harness.state_mut().restore_shelf(SIZES);
     let words = "Largest in stock up to 13 cm within practice's stretch: Wide · 300 cc";
     wait_until(&mut harness, "the size", |harness| text_with(harness, words));
+}
+
+#[test]
+fn each_size_of_the_list_has_the_worst_word_of_its_cards() {
+    // Half an ellipsoid of a width and a volume, solved by itself.
+    let of = |width_mm: f64, volume_ml: f64| {
+        let (mut plan, radius) = (flat_plan(), 0.5 * width_mm);
+        plan.implant.base_radius_mm = radius;
+        plan.implant.projection_mm = 1500.0 * volume_ml / (PI * radius * radius);
+        plan.pocket_radius_mm = radius + 10.0;
+        simulate(&plan).unwrap()
+    };
+    let low = of(115.0, 200.0).strain.unwrap().max_principal;
+    let full = of(120.0, 500.0).contact_pressure_mmhg.unwrap().max;
+    let low = format!("Skin stretch: {:.0} %, below practice", 100.0 * low);
+    let full = format!("Pressure, greatest: {full:.0} mmHg, very high");
+    for size in [DESKTOP, PHONE] {
+        let mut harness = app(size, |scene| *scene = flat_plan());
+        take_table(
+            &mut harness,
+            "name;width_cm;volume_ml\nLow;11,5;200\nFull;12;500\n",
+            "Take 2 sizes",
+        );
+        for words in [&low, &full] {
+            wait_until(&mut harness, words, |harness| text_with(harness, words));
+        }
+    }
+}
+
+#[test]
+fn a_second_table_is_added_to_the_sizes_in_stock_or_replaces_them() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    take_table(&mut harness, SIZES, "Take 2 sizes");
+    let more = "name;width_cm;volume_ml\nLow;11,5;200\nTall;12;320\n";
+    let file = Dropped { path: "more.csv".into(), text: more.to_owned() };
+    harness.input_mut().dropped_files.push(std::sync::Arc::new(file));
+    wait_until(&mut harness, "the preview", |harness| text_with(harness, "Add 2 sizes"));
+    assert!(harness.query_by_label("Take 2 sizes").is_none());
+    harness.get_by_role_and_label(Role::Button, "Add 2 sizes").click();
+    // The one that is there already is there once.
+    wait_until(&mut harness, "three", |harness| text_with(harness, "Sizes in stock: 3"));
+    for name in ["Take Low", "Take Wide", "Take Tall"] {
+        assert!(text_with(&harness, name).is_some(), "{name}");
+    }
+    let other = Dropped { path: "other.csv".into(), text: more.replace("Low", "Flat") };
+    harness.input_mut().dropped_files.push(std::sync::Arc::new(other));
+    let replace = "Replace the 3 in stock";
+    wait_until(&mut harness, "the preview", |harness| text_with(harness, replace));
+    harness.get_by_role_and_label(Role::Button, replace).click();
+    wait_until(&mut harness, "two", |harness| text_with(harness, "Sizes in stock: 2"));
+    assert!(
+        text_with(&harness, "Take Low").is_none() && text_with(&harness, "Take Flat").is_some()
+    );
 }

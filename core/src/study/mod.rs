@@ -9,7 +9,7 @@
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices from rows), `expansion` (from a polynomial of the samples), `fits` (of all quantities) | `percentile` | `unknown` (about a person) |
 //! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
-//! none) | `nearest` (the nearest plan with an answer) | `first_usual` (the first of a list that stays usual) |
+//! none) | `nearest` (the nearest plan with an answer) | `each` (all of a list) | `first_usual` (the first of a list that stays usual) |
 //! `practice` (the stretch that practice's volumes give) | `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
 //! Uses `scene`, `simulate` and all to their left; no clock, and threads in `many` only. Used by `platform` and `app`.
@@ -20,6 +20,7 @@ mod bands_importance;
 mod bands_report;
 mod cache;
 pub mod contour;
+mod each;
 mod expansion;
 mod first_usual;
 mod fits;
@@ -55,6 +56,7 @@ pub use axis::{Axis, MAX_POINTS, MapError};
 pub use bands::{Bands, BandsError, BandsSettings, NOTES, SAMPLES};
 pub use bands_report::{BANDS_SCHEMA, Band, BandsReport, ProfileBand, Scenario, UnknownReport};
 pub use cache::{Cases, Key, MAX_CASES};
+pub use each::Each;
 pub use first_usual::FirstUsual;
 pub use importance::{Index, MIN_ROWS, Row, index};
 pub use job::{Case, Evaluator, Job, Profile, evaluate};

@@ -205,6 +205,7 @@ impl App {
         range.advance(ctx, scene, practices, studies);
         filling.advance(scene, choices.device, studies, is_busy);
         nearest.advance(session, studies, is_busy);
+        range.judge_sizes(scene, practices, studies, is_busy);
         let sizes = &range.sizes;
         // The largest usual volume comes after the nearest plans with an answer.
         let is_searched = is_busy || !nearest.is_at_rest(session);

@@ -1,7 +1,7 @@
 //! The range of implants at a glance: a chart over one or two numbers of the plan, each point one solved scene.
 //!
 //! `axes` (the numbers on offer, their words and units) | `plane` (values to points of the screen) | `colours` (scale and
-//! picture) | `readout` (values of a point in words) | `areas` (their words) | `practice` (what the stretches of the points are compared with) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic), `shelf_preview` (their table before it is taken) | `paint` (drawing) | `chart` (pointer
+//! picture) | `readout` (values of a point in words) | `areas` (their words) | `practice` (what the stretches of the points are compared with) | `pins` (the pins on the chart) | `shelf` (sizes of the clinic), `shelf_preview` (their table before it is taken), `shelf_verdicts` (what the cards would say of each) | `paint` (drawing) | `chart` (pointer
 //! and keys) | `controls` | `page` (chart, captions, files) | `figure` (the chart of the report). This file contains the choices and the studies behind the chart.
 
 mod areas;
@@ -19,6 +19,7 @@ mod readout;
 mod shelf;
 pub(crate) mod shelf_largest;
 mod shelf_preview;
+mod shelf_verdicts;
 
 pub(super) use page::within_text;
 pub(super) use plane::marks;
@@ -34,6 +35,7 @@ use chart::Chart;
 use eframe::egui;
 use pins::Pins;
 use practice::ChartPractice;
+use shelf_verdicts::ShelfVerdicts;
 use web_time::{Duration, Instant};
 
 /// Numbers of values of an axis: coarse, medium, fine; and of a curve.
@@ -89,6 +91,7 @@ pub(super) struct Range {
     practice: ChartPractice,
     pins: Pins,
     pub(super) sizes: Sizes,
+    verdicts: ShelfVerdicts,
     chart: Chart,
 }
 
@@ -113,6 +116,7 @@ impl Default for Range {
             practice: ChartPractice::default(),
             pins: Pins::default(),
             sizes: Sizes::default(),
+            verdicts: ShelfVerdicts::default(),
             chart: Chart::default(),
         }
     }
@@ -168,6 +172,17 @@ impl Range {
             self.check.start(check, studies);
             self.check.advance(studies);
         }
+    }
+
+    /// Judges the sizes in stock while their list is in sight, once a frame. `is_busy`: the plan is being solved or edited.
+    pub(super) fn judge_sizes(
+        &mut self,
+        scene: &Scene,
+        practices: &Practices,
+        studies: &mut Studies,
+        is_busy: bool,
+    ) {
+        self.verdicts.advance(scene, &self.sizes, practices, studies, is_busy);
     }
 
     /// Keeps the plan on the chart: sizes lie around the plan at the opening, and around another plan once that leaves the chart.
@@ -263,9 +278,10 @@ impl Range {
         self.map.study().map(|map| JudgedMap { map, practice: self.practice.found() })
     }
 
-    /// The plans of the open chart whose practice is wanted.
+    /// The plans of the open chart and of the list of sizes whose practice is wanted.
     pub(super) fn wanted(&self) -> impl Iterator<Item = &Scene> {
-        self.practice.wanted().iter().filter(|_| self.is_open)
+        let of_chart = self.practice.wanted().iter().filter(|_| self.is_open);
+        of_chart.chain(self.verdicts.wanted())
     }
 
     /// Forgets what belongs to a lost graphics context.

@@ -127,13 +127,22 @@ pub(super) fn is_final(map: &Map, i: usize, j: usize) -> bool {
     !map.base().is_layered() || map.is_in_full(i, j)
 }
 
-/// The worst of stretch, cover and pressure at a point, as "Skin stretch: 31 %, high"; the first of equal ones.
+/// The worst of the three cards.
+pub(super) struct Worst {
+    pub(super) quantity: Quantity,
+    /// Level of its word; 0: calm.
+    pub(super) level: usize,
+    /// As "Skin stretch: 31 %, high".
+    pub(super) words: String,
+}
+
+/// The worst of stretch, cover and pressure at a point; the first of equal ones.
 ///
 /// `displayed`: the value of a quantity, and whether the value is solved; `practice`: that of the point.
 pub(super) fn worst(
     practice: Option<PracticeStretch>,
     displayed: &dyn Fn(Quantity) -> Option<(f64, bool)>,
-) -> Option<(Quantity, String)> {
+) -> Option<Worst> {
     let value = |quantity: Quantity| displayed(quantity).map(|(value, _)| value);
     let (strain, is_solved) = displayed(Quantity::GreatestStrain)?;
     let mut worst = (
@@ -150,11 +159,12 @@ pub(super) fn worst(
             worst = other;
         }
     }
-    let (quantity, value, (_, word)) = worst;
+    let (quantity, value, (level, word)) = worst;
     let word =
         quantity.limits(SkinLimits::Tearing).map_or(tr(word), |(limits, _)| word_of(&limits, word));
     let about = if is_solved { "" } else { tr("about ") };
-    Some((quantity, format!("{}: {about}{}, {word}", tr(quantity.title()), text(quantity, value))))
+    let words = format!("{}: {about}{}, {word}", tr(quantity.title()), text(quantity, value));
+    Some(Worst { quantity, level, words })
 }
 
 /// A point in few lines: its size, what is missing, the worst of the three cards, the colour's quantity if that is another
@@ -171,12 +181,12 @@ pub(super) fn short(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> 
         size += &format!(", {volume:.0} ml");
     }
     let all = lines(map, i, j, first);
-    let Some((quantity, worst)) =
+    let Some(Worst { quantity, words, .. }) =
         worst(map.practice_of_point(i, j), &|quantity| map.displayed(quantity, i, j))
     else {
         return std::iter::once(size).chain(all.into_iter().take(1)).collect();
     };
-    let mut short = vec![size, worst];
+    let mut short = vec![size, words];
     let start = format!("{}: ", tr(first.title()));
     let of_first = all.into_iter().find(|line| line.starts_with(&start));
     short.extend(of_first.filter(|_| quantity != first));

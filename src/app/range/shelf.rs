@@ -26,6 +26,8 @@ const LIST_HEIGHT: f32 = 300.0;
 const SIX_SIZES: f32 = 190.0;
 /// Share of the window's height that the list takes at least \[-\].
 const LIST_SHARE: f32 = 0.25;
+/// What the last column is.
+const JUDGED: &str = "The worst of the three cards for each size, for this patient and this margin of the pocket. A quick, coarse computation.";
 /// Greatest height of the field of a pasted table \[points\].
 const PASTED_HEIGHT: f32 = 70.0;
 
@@ -125,7 +127,7 @@ impl Sizes {
             |quantity| map.between(quantity, dot.at.0, dot.at.1).map(|value| (value, false));
         let mut lines = vec![dot.words.clone()];
         lines.extend(
-            readout::worst(map.practice_at(dot.at.0, dot.at.1), &value).map(|(_, words)| words),
+            readout::worst(map.practice_at(dot.at.0, dot.at.1), &value).map(|worst| worst.words),
         );
         Some((plane.at(dot.at), lines))
     }
@@ -216,17 +218,20 @@ impl Range {
                 return;
             }
             let mut removed = None;
-            let mut list = egui::ScrollArea::vertical().max_height(LIST_HEIGHT);
+            let mut list =
+                egui::ScrollArea::new([layout == Layout::Narrow, true]).max_height(LIST_HEIGHT);
             if layout == Layout::Wide {
                 // A panel as high as its content has no room of its own.
                 let share = LIST_SHARE * ui.ctx().content_rect().height();
                 list = list.min_scrolled_height(SIX_SIZES.min(share));
             }
+            self.verdicts.list();
             list.show(ui, |ui| {
-                egui::Grid::new("shelf sizes").num_columns(5).spacing([14.0, 3.0]).show(ui, |ui| {
+                egui::Grid::new("shelf sizes").num_columns(6).spacing([14.0, 3.0]).show(ui, |ui| {
                     for title in [tr("Name"), tr("Width"), tr("Projection"), tr("Volume")] {
                         ui.label(RichText::new(title).small().weak());
                     }
+                    ui.label(RichText::new(tr("In this patient")).small().weak()).on_hover_text(tr(JUDGED));
                     ui.end_row();
                     for (index, size) in self.sizes.shelf.sizes().iter().enumerate() {
                         let take = ui.link(size.label());
@@ -247,6 +252,7 @@ impl Range {
                             Some(volume) => format!("{volume:.0} cc"),
                             None => format!("{:.0} ml", dome.volume_ml()),
                         });
+                        self.verdicts.cell(ui, index);
                         let remove = ui.small_button("×");
                         set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {name}", name = size.label()));
                         if remove.clicked() {
@@ -309,11 +315,7 @@ impl Range {
                 self.sizes.preview = Some(Preview::new(name, draft));
                 None
             }
-            Err(error) => Some(Notice::error(tr!(
-                "{name} was not read; the sizes in stock are unchanged. {error}.",
-                name,
-                error = shown(&error)
-            ))),
+            Err(error) => Some(unread(name, &error)),
         }
     }
 
@@ -325,11 +327,18 @@ impl Range {
     /// Shows the preview of a table; once the table is taken, opens the page with the list and returns a notice.
     pub(crate) fn shelf_preview(&mut self, ctx: &egui::Context) -> Option<Notice> {
         let preview = self.sizes.preview.as_mut()?;
-        let decision = preview.show(ctx)?;
+        let decision = preview.show(ctx, self.sizes.shelf.sizes().len())?;
         let Preview { name, .. } = self.sizes.preview.take()?;
-        let Decision::Take(shelf) = decision else { return None };
-        let count = shelf.sizes().len();
-        self.sizes.set(shelf);
+        let (mut taken, added) = match decision {
+            Decision::Take(shelf) => (Shelf::default(), shelf),
+            Decision::Add(shelf) => (self.sizes.shelf.clone(), shelf),
+            Decision::Cancel => return None,
+        };
+        let count = added.sizes().len();
+        if let Err(error) = taken.add(&added) {
+            return Some(unread(&name, &error));
+        }
+        self.sizes.set(taken);
         self.sizes.pasted = None;
         (self.is_open, self.shows_more, self.sizes.unfolds) = (true, true, true);
         let device = Device::of(ctx);
@@ -341,4 +350,14 @@ impl Range {
             Device::Expander => format!("{words} {}", tr(AS_EXPANDERS)),
         }))
     }
+}
+
+/// A table that was not taken, and why.
+fn unread(name: &str, error: &str) -> Notice {
+    let error = shown(error);
+    Notice::error(tr!(
+        "{name} was not read; the sizes in stock are unchanged. {error}.",
+        name,
+        error
+    ))
 }

@@ -28,7 +28,10 @@ pub(super) struct Preview {
 
 /// What a user decided.
 pub(super) enum Decision {
+    /// In place of the sizes in stock.
     Take(Shelf),
+    /// Beside them.
+    Add(Shelf),
     Cancel,
 }
 
@@ -38,8 +41,8 @@ impl Preview {
         Self { name: name.to_owned(), draft, reading }
     }
 
-    /// Shows the window; returns the decision once.
-    pub(super) fn show(&mut self, ctx: &egui::Context) -> Option<Decision> {
+    /// Shows the window; returns the decision once. `in_stock`: number of sizes that are there already.
+    pub(super) fn show(&mut self, ctx: &egui::Context, in_stock: usize) -> Option<Decision> {
         let (mut is_open, mut decision) = (true, None);
         let title = tr!("Table of sizes: {name}", name = self.name);
         egui::Window::new(title)
@@ -50,13 +53,13 @@ impl Preview {
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .show(ctx, |ui| {
                 ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 4.0 * theme::SPACE));
-                decision = self.content(ui);
+                decision = self.content(ui, in_stock);
             });
         let is_left = !is_open || ctx.input(|input| input.key_pressed(egui::Key::Escape));
         decision.or_else(|| is_left.then_some(Decision::Cancel))
     }
 
-    fn content(&mut self, ui: &mut Ui) -> Option<Decision> {
+    fn content(&mut self, ui: &mut Ui, in_stock: usize) -> Option<Decision> {
         let count = self.reading.shelf.sizes().len();
         let (rows, skipped) = (count + self.reading.skipped_rows, self.reading.skipped_rows);
         ui.label(tr!("{rows} rows, {skipped} skipped. Columns are read as:", rows, skipped));
@@ -82,13 +85,19 @@ impl Preview {
         let mut decision = None;
         ui.horizontal(|ui| {
             let is_ready = count > 0 && self.draft.missing().is_none();
-            let words = match count {
-                1 => tr("Take 1 size").to_owned(),
-                _ => tr!("Take {count} sizes", count),
+            let words = match (count, in_stock) {
+                (1, 0) => tr("Take 1 size").to_owned(),
+                (_, 0) => tr!("Take {count} sizes", count),
+                (1, _) => tr("Add 1 size").to_owned(),
+                _ => tr!("Add {count} sizes", count),
             };
-            let take = egui::Button::new(words);
-            if ui.add_enabled(is_ready, take).clicked() {
-                decision = Some(Decision::Take(std::mem::take(&mut self.reading.shelf)));
+            let mut button = |words| ui.add_enabled(is_ready, egui::Button::new(words)).clicked();
+            let (is_first, is_replaced) =
+                (button(words), in_stock > 0 && button(replaced(in_stock)));
+            if is_first || is_replaced {
+                let shelf = std::mem::take(&mut self.reading.shelf);
+                let adds = is_first && in_stock > 0;
+                decision = Some(if adds { Decision::Add(shelf) } else { Decision::Take(shelf) });
             }
             if ui.button(tr("Cancel")).clicked() {
                 decision = Some(Decision::Cancel);
@@ -110,6 +119,14 @@ impl Preview {
         let title =
             tr!("Sizes whose volume no shape of the model has: {count}", count = notes.len());
         fold(ui, title, notes.len(), &notes[..notes.len().min(MOST_NOTES)]);
+    }
+}
+
+/// The button that replaces the sizes in stock.
+fn replaced(in_stock: usize) -> String {
+    match in_stock {
+        1 => tr("Replace the size in stock").to_owned(),
+        count => tr!("Replace the {count} in stock", count),
     }
 }
 

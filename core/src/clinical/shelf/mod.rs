@@ -145,6 +145,29 @@ impl Shelf {
         &self.sizes
     }
 
+    /// Adds the sizes of another shelf. A size that is there already is left out; one with the label of another size has its numbers
+    /// in its name.
+    ///
+    /// # Errors
+    /// One line if there are more than [`MAX_SIZES`] then; the shelf stays as it is.
+    pub fn add(&mut self, other: &Self) -> Result<(), String> {
+        let mut sizes = self.sizes.clone();
+        for size in &other.sizes {
+            let mut size = size.clone();
+            if sizes.iter().any(|known| known.label == size.label && *known != size) {
+                size = size.with_numbers_in_name();
+            }
+            if sizes.iter().all(|known| known.label != size.label) {
+                sizes.push(size);
+            }
+        }
+        if sizes.len() > MAX_SIZES {
+            return Err(format!("{} sizes; allowed: up to {MAX_SIZES}", sizes.len()));
+        }
+        self.sizes = sizes;
+        Ok(())
+    }
+
     /// Removes the size of an index.
     pub fn remove(&mut self, index: usize) {
         if index < self.sizes.len() {
