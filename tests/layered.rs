@@ -413,6 +413,20 @@ fn newtons_method_finds_the_shape_of_multigrid() {
     }
 }
 
+/// From a shape Newton's method stays on its branch: nearer to the equilibrium, with far less work than from rest.
+#[test]
+fn a_refined_solution_is_that_of_a_smaller_tolerance() {
+    let mut scene = papers_fat(33);
+    let coarse = solved(&scene, Options::default());
+    let refined = coarse.refined(1e-7, 1.0);
+    scene.solver.tolerance = 1e-7;
+    let newton = solved(&scene, Options { method: Method::Newton, ..Options::default() });
+    assert_eq!((refined.verdict(), newton.verdict()), (Verdict::Converged, Verdict::Converged));
+    let (before, after) = (distance(&coarse, &newton), distance(&refined, &newton));
+    assert!(before > 1e-6 && after < 4e-7, "{before:e} {after:e}");
+    assert!(refined.work_units() < 0.7 * newton.work_units(), "{}", refined.work_units());
+}
+
 /// f32 resolves tolerances down to 1e-5; Newton's method completes the solve.
 #[test]
 fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() {

@@ -114,13 +114,19 @@ pub(super) fn compare_solutions(
     let offsets =
         solver.offset_nodes().iter().map(|&(k, offset)| offset.distance(solver.positions()[k]));
     let allowed = tolerance + offsets.fold(0.0, f64::max);
-    // The confirming solve may end above its own tolerance.
+    // The confirming solve may end above its own tolerance. From scratch it may end in another equilibrium; from the shape itself
+    // it stays on its branch.
     let is_confirmed = |scene: &Scene, options: Options, ended: &Solver| {
         let options = Options { work_limit_factor: CONFIRMATION_WORK_FACTOR, ..options };
-        solve_to(scene, options, CONFIRMATION_TOLERANCE).is_some_and(|confirming| {
+        let is_close = |confirming: &Solver| {
             let error = confirming.estimated_position_error() * scene.implant.base_radius_mm;
-            2.0 * (error + distance(&nodes(&confirming), &nodes(ended))) <= tolerance
-        })
+            2.0 * (error + distance(&nodes(confirming), &nodes(ended))) <= tolerance
+        };
+        solve_to(scene, options, CONFIRMATION_TOLERANCE).is_some_and(|other| is_close(&other))
+            || scene.is_layered()
+                && is_close(
+                    &ended.refined(to(scene, CONFIRMATION_TOLERANCE), CONFIRMATION_WORK_FACTOR),
+                )
     };
     // The scene mirrored about the diagonal, over a chest, whose radii differ, about the body's axis; for a centred dome the
     // same scene on the whole sheet.

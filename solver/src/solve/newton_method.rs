@@ -1,9 +1,9 @@
-//! Newton's method for either tissue model.
+//! Newton's method for either tissue model; the equilibrium on the branch of a shape.
 
-use super::Problem;
 use super::multigrid::Law;
-use super::newton::{LayeredSystem, NestedNewton, SheetSystem, State};
+use super::newton::{LayeredSystem, NestedNewton, SheetSystem, Start, State};
 use super::validity::Invalid;
+use super::{Method, Options, Problem, Solver};
 use glam::DVec3;
 
 /// Newton's method for one tissue model.
@@ -106,5 +106,22 @@ impl NewtonMethod {
         outer: &mut [Vec<DVec3>],
     ) {
         delegate!(self, newton => newton.write_positions(problem, inner, offset_nodes, outer));
+    }
+}
+
+impl Solver {
+    /// The solution of the same problem with another tolerance \[base radius\] by Newton's method from the present shape: an
+    /// equilibrium on the branch of that shape, where a solve from rest may end on another branch. A factor multiplies the limits of
+    /// work.
+    #[must_use]
+    pub fn refined(&self, tolerance: f64, work_limit_factor: f64) -> Self {
+        let problem = Problem { tolerance, ..Problem::clone(&self.problem) };
+        let options = Options { method: Method::Newton, work_limit_factor, ..self.options };
+        let mut refined = Self::with_options(problem, options);
+        refined.x.clone_from(&self.x);
+        refined.outer.clone_from(&self.outer);
+        refined.start_newton(Start::FromSolution);
+        refined.advance(&mut || false);
+        refined
     }
 }
