@@ -19,7 +19,7 @@ use implant_preview::platform::desktop::beside_window;
 use implant_preview::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use window::{flat_plan, window};
+use window::{flat_plan, plan_on_a_body, window};
 
 /// Tall enough for all folds.
 const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
@@ -285,6 +285,23 @@ fn nothing_is_cut_on_screens_of_a_desk() {
         assert!(painted_texts(&harness).iter().any(is_last), "{size}");
         let picture = harness.get_by_role_and_label(Role::Canvas, "Vista 3D").rect();
         assert!(picture.width() > 0.46 * size.x, "{size}: {picture:?}");
+    }
+}
+
+#[test]
+fn her_measures_are_in_spanish_and_whole_in_wide_and_narrow_columns() {
+    let _alone = alone();
+    for (width, tab) in [(1280.0, None), (1024.0, None), (390.0, Some("Más"))] {
+        let size = egui::vec2(width, 2600.0);
+        let mut harness = app("es", size, |scene| *scene = plan_on_a_body());
+        tab.into_iter().for_each(|tab| press(&mut harness, tab));
+        unfold(&mut harness, "Detalles");
+        let painted = painted_texts(&harness);
+        for text in ["Medidas antes | después", "Escotadura–pezón, cm", "ganancia"] {
+            assert!(painted.iter().any(|found| found == text), "{width} {text}: {painted:?}");
+        }
+        assert_spanish(&harness);
+        assert_eq!(cut_texts(&harness), Vec::<String>::new(), "{width}");
     }
 }
 

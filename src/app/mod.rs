@@ -28,6 +28,7 @@ use crate::scene::{Scene, SceneError};
 use crate::session::{Command, CommandError, Record, Session};
 use answer::compare::{Compare, Keep};
 use answer::filling::Filling;
+use answer::measured::Measured;
 use answer::no_answer::NearestSearch;
 use answer::practice::Practices;
 use answer::uncertainty::Uncertainty;
@@ -108,6 +109,7 @@ impl App {
                 compare: Compare::default(),
                 uncertainty: Uncertainty::default(),
                 volume_marks: VolumeMarks::default(),
+                measured: Measured::default(),
                 practices: Practices::default(),
                 timing: Timing::default(),
                 solving: None,

@@ -2,7 +2,11 @@
 // write them.
 
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { describe, test } from "node:test";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
@@ -10,6 +14,7 @@ import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import { STLLoader } from "three/addons/loaders/STLLoader.js";
 import * as harness from "./harness.mjs";
 import { textsOf } from "./pdf.mjs";
+import { trunk } from "./trunk.mjs";
 
 const fixture = harness.setUp();
 
@@ -214,6 +219,53 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     const none = (await save(page, "Save report (HTML)…")).bytes.toString();
     assert.match(none, /no answer\./);
     assert.match(none, /The picture is of the last plan with an answer: 340 ml on 12 cm\./);
+    await finish();
+  });
+
+  test("has the measures of her body before and after, and each body is a file", async () => {
+    const folder = mkdtempSync(join(tmpdir(), "implant-preview-body-"));
+    const [mesh, marked, plan] = ["body.ply", "marks.json", "plan.json"].map((name) => join(folder, name));
+    // Small enough to be kept as it is.
+    const { ply, points, marks } = trunk(120, 90);
+    writeFileSync(mesh, ply);
+    writeFileSync(marked, JSON.stringify(marks));
+    const scan = ["scan", mesh, "--marks", marked, "--side", "left", "--keep-surface", "--out", plan];
+    execFileSync(harness.NATIVE, scan, { stdio: ["pipe", "pipe", "ignore"] });
+    const scene = { ...JSON.parse(readFileSync(plan, "utf8")), solver: { nodes_per_side: 33, tolerance: 1e-3 } };
+    rmSync(folder, { recursive: true });
+    const { page, finish } = await fixture.openApp({ isPlain: true });
+    await page.evaluate((text) => implantPreview.setScene(text), JSON.stringify(scene));
+    await harness.settled(page);
+    const report = await save(page, "Save report (HTML)…");
+    const paper = await page.context().newPage();
+    await paper.setContent(report.bytes.toString());
+    const rows = await paper.locator(".measures tr").evaluateAll((all) => all.map((row) => Array.from(row.cells, (cell) => cell.textContent)));
+    // Heads and 15 of 17 measures: two need the marks of both breasts.
+    assert.equal(rows.length, 16);
+    assert.deepEqual(rows[0], ["", "before", "after", "gain"]);
+    const of = (name) => rows.find(([own]) => own === name).slice(1);
+    const [before, after, gain] = of("Notch to nipple, cm").map(Number);
+    assert.ok(Math.abs(after - before - gain) < 0.11 && gain > 0 && before > 17 && before < 21, `${before} ${after} ${gain}`);
+    assert.match(of("Volume gained, ml").join(), /^,,\+(2[3-9]|3\d)\d$/);
+    assert.match(await paper.locator("body").textContent(), /Not computed: lengths under stretch/);
+    assert.equal(textsOf(await paper.pdf({ format: "A4" })).length, 2);
+    await paper.close();
+    const [, ...numbers] = readCsv((await save(page, "Save numbers (CSV)…")).bytes.toString());
+    const number = (name) => Number(numbers.find(([own]) => own === name)[2]);
+    assert.ok(Math.abs(number("Notch to nipple, after") - after) <= 0.051);
+    const today = await page.evaluate(() => new Date().toLocaleDateString("sv"));
+    const files = [];
+    for (const [body, name] of [["before", "body-before"], ["after", "body-after-12cm-225ml"]]) {
+      const file = await save(page, "Save shape (3-D)", `Body ${body} as PLY`);
+      assert.equal(file.name, `${name}-${today}.ply`);
+      files.push(new PLYLoader().parse(buffer(file.bytes)).attributes.position);
+    }
+    assert.equal(files[0].count, points.length);
+    const moved = Array.from({ length: files[0].count }, (_, k) =>
+      Math.hypot(...["getX", "getY", "getZ"].map((axis) => files[1][axis](k) - files[0][axis](k))),
+    );
+    const most = Math.max(...moved);
+    assert.ok(most > 15 && most < 45, `${most} mm`);
     await finish();
   });
 

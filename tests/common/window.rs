@@ -3,6 +3,10 @@
 use eframe::egui;
 use egui_kittest::Harness;
 use implant_preview::app::App;
+use implant_preview::body::fit::{Settings, fit};
+use implant_preview::body::marks::Side;
+use implant_preview::body::read::Unit;
+use implant_preview::body::torso::{Torso, builtin};
 use implant_preview::clinical::Size;
 use implant_preview::scene::Scene;
 
@@ -12,6 +16,19 @@ pub(crate) fn flat_plan() -> Scene {
     scene.implant.projection_mm =
         Size::of_width_and_volume(120.0, 300.0).map_or(40.0, Size::projection_mm);
     scene.solver.nodes_per_side = 33;
+    scene
+}
+
+/// The built-in torso as her body, on a small grid.
+#[allow(dead_code, reason = "a program of tests uses a part")]
+pub(crate) fn plan_on_a_body() -> Scene {
+    let Torso { surface, marks } = builtin();
+    let (settings, side) = (Settings::default(), Side::Left);
+    let fitted = fit(&surface, &marks, side, &settings).expect("the built-in torso has a chest");
+    let scene = Scene::of_body(&fitted, (&marks, side), settings.cover_mm, Unit::Mm);
+    let mut scene = scene.expect("its wall carries the tissue");
+    scene.keep_surface(&surface).expect("the torso is small");
+    (scene.solver.nodes_per_side, scene.solver.tolerance) = (33, 1e-3);
     scene
 }
 

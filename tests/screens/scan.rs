@@ -1,6 +1,9 @@
 //! A scan of a body: opened, marked by clicks, keys or a file, used as one step, cancelled, taken back.
 
-use super::{DESKTOP, PHONE, app, flat_plan, painted_texts, press, settle};
+use super::window::plan_on_a_body;
+use super::{
+    DESKTOP, PHONE, WIDE, app, cut_texts, flat_plan, painted_texts, press, settle, unfold,
+};
 use eframe::egui::{self, Key, Modifiers, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -240,4 +243,49 @@ fn marks_are_proposed_and_the_pictures_show_her_before_and_after() {
         harness.query_by_role_and_label(Role::Slider, border).is_none(),
         "cut tissue has no before"
     );
+}
+
+/// Number of painted texts.
+fn count(harness: &Screen, text: &str) -> usize {
+    painted_texts(harness).iter().filter(|painted| *painted == text).count()
+}
+
+#[test]
+fn her_measures_stand_in_details_and_comparison_and_her_body_among_the_shapes() {
+    let mut harness = app(WIDE, |scene| *scene = plan_on_a_body());
+    let title = "Measures before | after";
+    assert_eq!(count(&harness, title), 0, "folded");
+    press(&mut harness, "Pin as A");
+    unfold(&mut harness, title);
+    assert_eq!(cut_texts(&harness), Vec::<String>::new());
+    for name in ["Notch to nipple, cm", "Volume gained, ml", "Asymmetry of the skin, mm"] {
+        assert_eq!(count(&harness, name), 1, "{name}");
+    }
+    unfold(&mut harness, "Details");
+    assert_eq!((count(&harness, title), count(&harness, "Upper pole, %")), (2, 2));
+    harness.get_all_by_label_contains("Not computed: lengths under stretch").next().unwrap();
+    assert_eq!(cut_texts(&harness), Vec::<String>::new());
+    // From notch to nipple of the built-in torso it is 21.0 cm.
+    assert!(count(&harness, "21.0") >= 2, "{:?}", painted_texts(&harness));
+    press(&mut harness, "File");
+    press(&mut harness, "Save shape (3-D)");
+    for (body, format) in ["Body before", "Body after"]
+        .into_iter()
+        .flat_map(|body| ["STL", "OBJ", "PLY", "GLB"].map(|format| (body, format)))
+    {
+        button(&harness, &format!("{body} as {format}"));
+    }
+    assert_eq!(cut_texts(&harness), Vec::<String>::new());
+}
+
+#[test]
+fn a_plan_without_a_scan_has_no_measures_of_a_body() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    press(&mut harness, "Pin as A");
+    unfold(&mut harness, "Details");
+    assert_eq!(count(&harness, "Measures before | after"), 0);
+    press(&mut harness, "File");
+    press(&mut harness, "Save shape (3-D)");
+    button(&harness, "Implant as made as STL");
+    assert!(harness.query_by_label("Body after as PLY").is_none());
 }

@@ -1,6 +1,8 @@
 //! Details of the answer: all numbers with units.
 
 use super::band_color;
+use super::before_after;
+use super::measured::Measured;
 use super::uncertainty::Findings;
 use crate::app::frame::research;
 use crate::app::plan::device::Device;
@@ -8,14 +10,23 @@ use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::without_negative_zero;
 use crate::app::widgets::{group, remark};
 use crate::measure::{Outcome, STRAIN_BANDS};
+use crate::session::Session;
 use crate::study::Quantity;
 use eframe::egui::{self, RichText, Ui};
 
 /// Bands of the results, if there are any.
 type Bands<'a> = Option<&'a Findings>;
 
-/// Shows the numbers of a result, each with its band.
-pub(crate) fn show(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+/// Shows the measures of her body, if the plan has it, and the numbers of a result, each with its band.
+pub(crate) fn show(
+    ui: &mut Ui,
+    outcome: &Outcome,
+    bands: Bands<'_>,
+    (session, measured): (&Session, &Measured),
+) {
+    if let Some(table) = before_after::table(measured, session, before_after::Of::Plan) {
+        group(ui, tr(before_after::TITLE), |ui| before_after::show(ui, table, "measures"));
+    }
     cover(ui, outcome, bands);
     shape(ui, outcome, bands);
     contact(ui, outcome, bands);

@@ -2,9 +2,10 @@
 //! and limits of all of them are those of [`bands`].
 //!
 //! `figures` (of the answer, with their words) | `cards` (figures and words of the cards) | `shares` (sampled patients by word), `bar` (their bars without a toolkit), `draw` (the cards on
-//! the screen) | `columns` (lines of cells).
+//! the screen) | `columns` (lines of cells) | `measured` (her body's measures, computed once a shape), `before_after` (their table).
 
 mod bar;
+pub(crate) mod before_after;
 mod cards;
 mod columns;
 pub(crate) mod compare;
@@ -14,6 +15,7 @@ mod draw;
 mod figures;
 pub(crate) mod fill_steps;
 pub(crate) mod filling;
+pub(crate) mod measured;
 pub(crate) mod no_answer;
 pub(crate) mod plots;
 pub(crate) mod practice;

@@ -74,6 +74,12 @@ pub(crate) fn name_with_size(scene: &Scene, device: Device, what: &str, extensio
     joined([what, size, format!("{volume}ml"), date, reference], extension)
 }
 
+/// The name of a file of a patient without an implant, as "body-before-2026-11-25-4711.ply".
+pub(crate) fn name_with_patient(scene: &Scene, what: &str, extension: &str) -> String {
+    let reference = scene.visit.as_ref().map_or("", |visit| &visit.reference);
+    joined([what.to_owned(), date_of_visit(scene), word_of_name(reference)], extension)
+}
+
 fn name(
     scene: &Scene,
     device: Device,
@@ -369,6 +375,8 @@ mod tests {
         let name = |scene: &Scene, what| name_with_size(scene, Device::Implant, what, "glb");
         assert_eq!(name(&scene, "implant"), "implant-225ml-2026-11-25-K-M-4711.glb");
         assert_eq!(name(&scene, "tissue"), "tissue-12cm-225ml-2026-11-25-K-M-4711.glb");
+        let before = name_with_patient(&scene, "body-before", "ply");
+        assert_eq!(before, "body-before-2026-11-25-K-M-4711.ply");
         assert_eq!(
             name_with_size(&scene, Device::Expander, "implant", "stl"),
             "expander-225ml-2026-11-25-K-M-4711.stl"

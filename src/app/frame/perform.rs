@@ -80,7 +80,8 @@ impl App {
             }
             Task::SaveTable => {
                 let sampled = |scene: &Scene| self.shared.uncertainty.values(scene);
-                let text = export::csv(&numbers::table(&self.shared.session, &sampled));
+                let seen = (&self.shared.session, &self.shared.measured);
+                let text = export::csv(&numbers::table(seen, &sampled));
                 self.save_numbers(ctx, "csv", text);
             }
             Task::TakeHome(Purpose::Report) => {

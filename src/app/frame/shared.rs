@@ -2,7 +2,9 @@
 
 use super::status::{Pending, Timing};
 use crate::app::answer::PreviousResults;
+use crate::app::answer::before_after::has_body;
 use crate::app::answer::compare::Compare;
+use crate::app::answer::measured::Measured;
 use crate::app::answer::practice::{Against, Practices};
 use crate::app::answer::uncertainty::Uncertainty;
 use crate::app::picture::viewport::{Options, Viewport};
@@ -39,6 +41,8 @@ pub(crate) struct Shared {
     pub(crate) uncertainty: Uncertainty,
     pub(crate) volume_marks: VolumeMarks,
     pub(crate) practices: Practices,
+    /// The measures of her body.
+    pub(crate) measured: Measured,
     pub(crate) timing: Timing,
     pub(crate) solving: Option<RunningSolve>,
     /// Is the cross-section shown under the picture where there is room?
@@ -64,8 +68,7 @@ impl Shared {
 
     /// Has the plan the surface of her body?
     pub(crate) fn has_surface(&self) -> bool {
-        let placement = self.session.scene().placement.as_ref();
-        placement.is_some_and(|placement| placement.surface.is_some())
+        has_body(&self.session)
     }
 
     /// The plane of the cross-section: the chosen one, else that in which the implant shows its shape.

@@ -5,10 +5,12 @@ use super::commands::{COMMANDS, Keyed, entry_of, item, menu_item, why_not};
 use super::files;
 use super::messages::Notice;
 use super::shared::Shared;
+use crate::app::answer::measured;
 use crate::app::picture::view_menu::view_menu;
 use crate::app::texts::tr;
 use crate::app::widgets::button_if;
 use crate::app::widgets::theme;
+use crate::body::write::write;
 use crate::contact::Dome;
 use crate::export::{Body, Format, Solid};
 use crate::measure::{Field, surfaces};
@@ -123,12 +125,7 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
                 };
                 for format in formats.iter().filter(is_shown) {
                     let extension = format.extension();
-                    let button = ui.button(extension.to_uppercase());
-                    let label =
-                        tr!("{name} as {extension}", name, extension = extension.to_uppercase());
-                    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
-                    let response = button.on_hover_text(device.words(tr(about)));
-                    if response.clicked() {
+                    if format_button(ui, *format, &name, &device.words(tr(about))) {
                         let session = &shared.session;
                         let mut bodies = bodies(session.solution());
                         if *format == Format::Glb {
@@ -149,8 +146,42 @@ fn shape_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
                 }
                 ui.end_row();
             }
+            if shared.has_surface() {
+                body_rows(ui, shared, actions);
+            }
         });
     });
+}
+
+/// The button of a shape in a format; returns whether it was clicked.
+fn format_button(ui: &mut Ui, format: Format, name: &str, about: &str) -> bool {
+    let extension = format.extension().to_uppercase();
+    let button = ui.button(&extension);
+    let label = tr!("{name} as {extension}", name, extension);
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
+    button.on_hover_text(about).clicked()
+}
+
+/// Her body before and after, in rows of the grid of shapes.
+fn body_rows(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
+    let (scene, device) = (shared.session.scene(), shared.choices.device);
+    for (k, (name, about)) in BODIES.into_iter().enumerate() {
+        ui.label(tr(name));
+        for format in Format::ALL {
+            if !format_button(ui, format, tr(name), tr(about)) {
+                continue;
+            }
+            ui.close();
+            let Some((bodies, unit)) = measured::surfaces(&shared.session) else { continue };
+            let extension = format.extension();
+            let file = match k {
+                0 => files::name_with_patient(scene, "body-before", extension),
+                _ => files::name_with_size(scene, device, "body-after", extension),
+            };
+            actions.push(Action::Save(file, write(&bodies[k], unit, format)));
+        }
+        ui.end_row();
+    }
 }
 
 /// The window "Help".
@@ -254,6 +285,12 @@ const SHAPES: [(&str, &str, &str, &[Format], BodiesOf); 5] = [
     ("All parts", SKIN_IN_PLACE, "shape", &[Format::Glb], |solution| {
         Solid::bodies(&surfaces(solution), dome(solution))
     }),
+];
+
+/// Her body before and after: name, what the shape is.
+const BODIES: [(&str, &str); 2] = [
+    ("Body before", "Her scan as the plan's file keeps it, in its own axes and unit; GLB in m"),
+    ("Body after", "Her scan with the computed skin, in its own axes and unit; GLB in m"),
 ];
 
 /// An implant beside the patient: with a flat base, whole.

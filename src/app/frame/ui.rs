@@ -235,9 +235,10 @@ impl App {
         panels.filling.section(ui, shared, actions);
         steady(ui, "uncertainty", |ui| shared.uncertainty.show(ui, &shared.session));
         steady(ui, "compare", |ui| {
-            let Shared { session, uncertainty, compare, practices, .. } = shared;
+            let Shared { session, measured, uncertainty, compare, practices, .. } = shared;
             let sampled = |scene: &Scene| uncertainty.values(scene);
-            let command = compare::section(ui, session, compare, &sampled, practices);
+            let seen = (&*session, &*measured);
+            let command = compare::section(ui, seen, compare, &sampled, practices);
             actions.extend(command.map(Action::Session));
         });
         steady(ui, "details", |ui| self.details(ui, layout));
@@ -254,11 +255,11 @@ impl App {
     fn details(&mut self, ui: &mut Ui, layout: Layout) {
         let shared = &self.shared;
         let (previous, findings) = (shared.previous_results(), shared.uncertainty.findings());
-        let mut chosen = None;
+        let (mut chosen, body) = (None, (&shared.session, &shared.measured));
         egui::CollapsingHeader::new(tr("Details")).id_salt("details").show_unindented(ui, |ui| {
             let outcome = answer::visible(&shared.session, previous);
             match outcome.filter(|outcome| outcome.status != Status::Unstable) {
-                Some(outcome) => details::show(ui, outcome, findings),
+                Some(outcome) => details::show(ui, outcome, findings, body),
                 None => {
                     ui.label(
                         RichText::new(tr("No numbers yet.")).color(ui.visuals().weak_text_color()),

@@ -1,11 +1,14 @@
 //! All numbers of the plan as a table: a row for each quantity, columns for the plan and for each pin, with percentiles
 //! where bands are known.
 
+use crate::app::answer::measured::Measured;
+use crate::body::before_after as body;
 use crate::export;
 use crate::measure::{Outcome, Status};
 use crate::scene::{Field, Scene};
 use crate::session::Session;
 use crate::study::{Quantity, Samples};
+use std::rc::Rc;
 
 /// The value of a row; `None` where a row does not apply.
 type Value = Box<dyn Fn(&Scene, &Outcome) -> Option<f64>>;
@@ -119,23 +122,27 @@ struct Column<'a> {
     scene: &'a Scene,
     outcome: Option<&'a Outcome>,
     samples: Option<&'a Samples>,
+    /// The measures of her body.
+    body: Option<Rc<[body::Row]>>,
 }
 
 /// The table, heads first. Each plan has a column, and two for percentiles if its bands are known; a missing value is empty.
 pub(crate) fn table<'a>(
-    session: &'a Session,
+    (session, measured): (&'a Session, &Measured),
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
 ) -> Vec<Vec<String>> {
-    let of = |name, scene, outcome| Column { name, scene, outcome, samples: sampled(scene) };
+    let of =
+        |name, scene, outcome, body| Column { name, scene, outcome, samples: sampled(scene), body };
     let pins = session.pins().iter().map(|pin| {
         let letter = pin.letter().to_string();
         let name = match pin.name() {
             "" => letter,
             name => format!("{letter}: {name}"),
         };
-        of(name, pin.scene(), pin.outcome())
+        of(name, pin.scene(), pin.outcome(), measured.of_pin(session, pin))
     });
-    let now = of("this plan".to_owned(), session.scene(), session.result());
+    let body = measured.of_plan(session);
+    let now = of("this plan".to_owned(), session.scene(), session.result(), body);
     let columns: Vec<Column<'_>> = [now].into_iter().chain(pins).collect();
     let mut head = vec!["quantity".to_owned(), "unit".to_owned()];
     let mut answers = vec!["Answer".to_owned(), String::new()];
@@ -159,7 +166,33 @@ pub(crate) fn table<'a>(
         }
         cells
     };
-    [head, answers].into_iter().chain(rows(layers).into_iter().map(row)).collect()
+    let rows = rows(layers).into_iter().map(row);
+    [head, answers].into_iter().chain(rows).chain(of_body(&columns)).collect()
+}
+
+/// The rows of her body before and after: none without her body.
+fn of_body(columns: &[Column<'_>]) -> Vec<Vec<String>> {
+    let [Column { body: Some(rows), .. }, ..] = columns else { return Vec::new() };
+    let mut found = Vec::new();
+    for (k, body::Row { name, unit, before, .. }) in rows.iter().enumerate() {
+        let mut add = |name: String, value: fn(&body::Row) -> Option<f64>| {
+            let mut cells = vec![name, (*unit).to_owned()];
+            for Column { body, samples, .. } in columns {
+                let value = body.as_ref().and_then(|rows| value(rows.get(k)?));
+                cells.push(value.map_or_else(String::new, export::number));
+                cells.extend(samples.iter().flat_map(|_| [String::new(), String::new()]));
+            }
+            found.push(cells);
+        };
+        match before {
+            Some(_) => {
+                add(format!("{name}, before"), |row| row.before);
+                add(format!("{name}, after"), |row| row.after);
+            }
+            None => add((*name).to_owned(), |row| row.gain),
+        }
+    }
+    found
 }
 
 /// State of an answer in a word.
@@ -175,6 +208,7 @@ fn answer(outcome: Option<&Outcome>) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::answer::measured::tests::solved;
     use crate::scene::Letter;
     use crate::session::Command;
     use crate::solve::Progress;
@@ -193,7 +227,7 @@ mod tests {
         while session.advance(&mut || false) == Progress::Working {}
         let now = session.result().unwrap();
 
-        let text = export::csv(&table(&session, &|_| None));
+        let text = export::csv(&table((&session, &Measured::default()), &|_| None));
         let mut read = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
         let read: Vec<Vec<String>> = read.deserialize().map(Result::unwrap).collect();
         assert_eq!(read[0], ["quantity", "unit", "this plan", "A: a, \"b\""]);
@@ -223,5 +257,36 @@ mod tests {
         }
         assert!(values("Fullness", "").iter().all(|value| (value - 2.0 / 3.0).abs() < 1e-8));
         assert!(read.iter().all(|row| row.len() == 4 && row.iter().all(|cell| cell.is_ascii())));
+    }
+    #[test]
+    fn her_body_is_in_the_table_before_and_after() {
+        let (mut session, measured) = (solved(), Measured::default());
+        session.apply(Command::Pin).unwrap();
+        let rows = measured.of_plan(&session).unwrap();
+        let found = table((&session, &measured), &|_| None);
+        let names = found.iter().filter(|row| row[0].starts_with("Notch to nipple, "));
+        assert_eq!(names.count(), 4);
+        for row in rows.iter() {
+            let cells = |name: String| {
+                let of = |cells: &&Vec<String>| cells[..2] == [name.clone(), row.unit.to_owned()];
+                let mut of = found.iter().filter(of);
+                let cells = of.next().unwrap_or_else(|| panic!("{name}")).clone();
+                assert!(of.next().is_none() && cells.iter().all(|cell| cell.is_ascii()), "{name}");
+                // The pin has the same shape.
+                assert_eq!(cells[2], cells[3], "{name}");
+                cells[2].parse::<f64>().ok()
+            };
+            let near = |a: Option<f64>, b: Option<f64>| {
+                let Some((a, b)) = a.zip(b) else { return a == b };
+                (a - b).abs() <= 1e-8 * b.abs()
+            };
+            match row.before {
+                Some(_) => {
+                    assert!(near(cells(format!("{}, before", row.name)), row.before), "{row:?}");
+                    assert!(near(cells(format!("{}, after", row.name)), row.after), "{row:?}");
+                }
+                None => assert!(near(cells(row.name.to_owned()), row.gain), "{row:?}"),
+            }
+        }
     }
 }

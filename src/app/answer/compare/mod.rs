@@ -12,6 +12,8 @@ mod table;
 pub(crate) use keep::{DELAY, Keep, KeptPlan, is_due};
 pub(crate) use table::rows;
 
+use super::before_after;
+use super::measured::Measured;
 use super::practice::Practices;
 use crate::app::texts::tr;
 use crate::app::widgets::theme::{self, Palette};
@@ -63,7 +65,7 @@ impl Compare {
 /// Shows pins, choices and the table of results with the bands of the `sampled` scenes; returns a command of the user.
 pub(crate) fn section<'a>(
     ui: &mut Ui,
-    session: &Session,
+    (session, measured): (&Session, &Measured),
     compare: &mut Compare,
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
     practices: &Practices,
@@ -104,6 +106,16 @@ pub(crate) fn section<'a>(
         ui.checkbox(&mut compare.has_differences, tr("Differences in the table"))
             .on_hover_text(tr("Show this plan minus pin beside the pin's values"));
         table::show(ui, session, compare.has_differences, sampled, practices);
+        if !before_after::has_body(session) {
+            return;
+        }
+        let fold = egui::CollapsingHeader::new(tr(before_after::TITLE)).id_salt("measures of pins");
+        fold.show_unindented(ui, |ui| {
+            match before_after::table(measured, session, before_after::Of::Pins) {
+                Some(table) => before_after::show(ui, table, "measures of pins"),
+                None => drop(ui.weak(tr("No numbers yet."))),
+            }
+        });
     });
     command
 }

@@ -12,6 +12,7 @@ mod page;
 
 pub(crate) use dialog::{Choice, ReportDialog};
 
+use crate::app::answer::before_after;
 use crate::app::answer::compare;
 use crate::app::answer::filling::Filling;
 use crate::app::answer::practice::{Practices, rule_in_short};
@@ -173,7 +174,7 @@ pub(crate) fn report(
     filling: &Filling,
 ) -> Result<String, String> {
     let Pictures { poses, pins, further, missing, accuracy } = pictures(shared, range)?;
-    let Shared { session, choices, uncertainty, volume_marks, practices, .. } = &*shared;
+    let Shared { session, choices, uncertainty, volume_marks, practices, measured, .. } = &*shared;
     let device = choices.device;
     let findings = uncertainty.of_cards(session.scene());
     let sampled = |scene: &_| uncertainty.values(scene);
@@ -207,6 +208,7 @@ pub(crate) fn report(
             practices,
             answer::shares_of_pressure((session, practices), findings),
         ),
+        measures: before_after::table(measured, session, before_after::Of::Pins),
         bands: uncertainty.about_bands(session.scene()),
         steps: filling.steps(session.scene()),
         limits: answer::limits_in_words(session, practices, device, rule_in_short).to_vec(),

@@ -4,6 +4,7 @@ use super::DISCLAIMER;
 use super::answers::{self, answers};
 use super::html::{escaped, put};
 use crate::app::answer::Bar;
+use crate::app::answer::before_after;
 use crate::app::answer::fill_steps;
 use crate::app::texts::{self, tr};
 use crate::study::NOTES;
@@ -48,6 +49,8 @@ pub(super) struct Page {
     pub(super) remarks: Vec<String>,
     /// The results of the plan and of the pins: names and cells of number and word; the first row contains the heads of the columns.
     pub(super) table: Vec<(String, Vec<[String; 2]>)>,
+    /// The measures of her body before and after, if the plan has it.
+    pub(super) measures: Option<before_after::Table>,
     /// What the bands are, if the results have bands.
     pub(super) bands: Option<String>,
     /// The fill steps of an expander, heads first; may be empty.
@@ -152,6 +155,18 @@ impl Page {
         put(page, "h2", tr("Numbers"));
         numbers(page, &self.table);
         page.push_str("</div>");
+        if let Some(measures) = &self.measures {
+            page.push_str("<div>");
+            put(page, "h2", tr(before_after::TITLE));
+            let head = [String::new()].into_iter().chain(measures.heads.iter().cloned());
+            let row = |(name, _, cells): &(String, &str, Vec<String>)| -> Vec<String> {
+                [name].into_iter().chain(cells).cloned().collect()
+            };
+            let rows: Vec<Vec<String>> = measures.lines.iter().map(row).collect();
+            table(page, "measures", &head.collect::<Vec<_>>(), &rows);
+            let note = escaped(tr(before_after::NOT_COMPUTED));
+            let _ = write!(page, "<p class=\"quiet\">{note}</p></div>");
+        }
         if let Some((head, rows)) = self.steps.split_first() {
             page.push_str("<div>");
             put(page, "h2", tr("Fill steps by week"));
@@ -230,7 +245,8 @@ fn picture(page: &mut String, picture: &Picture) {
 fn table(page: &mut String, class: &str, head: &[String], rows: &[Vec<String>]) {
     // A wide table scrolls within the page of a phone.
     let _ = write!(page, "<div class=\"wide\"><table class=\"{class}\"><thead><tr>");
-    let is_number = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit());
+    let is_number =
+        |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+−".contains(c));
     let class = |is_number: bool| if is_number { " class=\"number\"" } else { "" };
     for (k, cell) in head.iter().enumerate() {
         let class = class(rows.iter().filter_map(|row| row.get(k)).any(is_number));
@@ -304,6 +320,10 @@ mod tests {
                 (String::new(), vec![[hostile.clone(), String::new()]]),
                 (hostile.clone(), vec![["12".to_owned(), hostile.clone()]]),
             ],
+            measures: Some(before_after::Table {
+                heads: vec![hostile.clone()],
+                lines: vec![(hostile.clone(), "", vec!["+7".to_owned()])],
+            }),
             bands: Some(hostile.clone()),
             steps: vec![vec![hostile.clone()], vec![hostile.clone()]],
             limits: vec![("Pressure", hostile.clone())],
@@ -313,7 +333,7 @@ mod tests {
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 22);
+        assert_eq!(count, 24);
         let css = "@top-left{content:\"\\3c script\\3e alert\\28 1\\29 \\3c \\2f script\\3e \\26 \\22 \";";
         assert!(html.contains(css), "{html}");
         assert!(!html.contains("class=\"blank\""), "a filled line of the patient");
@@ -326,6 +346,7 @@ mod tests {
         let second = "<div class=\"second\"><div class=\"pair\"><div><h2>Cross-section</h2>";
         assert!(html.contains(second), "{html}");
         assert!(html.contains("<td class=\"number\">12</td><td>&lt;script&gt;"), "{html}");
+        assert!(html.contains("</td><td class=\"number\">+7</td>"), "{html}");
         assert!(html.contains("Not a medical device") && html.contains("not a prediction"));
         assert!(!html.contains("http://") && !html.contains("https://"));
         // Dark on a dark screen, light on paper, whose edge cuts no frame.
