@@ -31,6 +31,16 @@ impl Side {
     }
 }
 
+impl std::str::FromStr for Side {
+    type Err = MarksError;
+
+    fn from_str(word: &str) -> Result<Self, MarksError> {
+        let found = [Self::Left, Self::Right].into_iter().find(|side| side.word() == word);
+        let wrong = || format!("side is \"{word}\"; allowed: \"left\" or \"right\"");
+        found.ok_or_else(|| MarksError(wrong()))
+    }
+}
+
 /// Marks of one breast, in the surface's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BreastMarks {

@@ -61,6 +61,20 @@ pub(crate) struct Scan<'a> {
 }
 
 impl Quality {
+    /// Figures by their names in Python and JavaScript.
+    #[must_use]
+    pub fn figures(&self) -> [(&'static str, f64); 7] {
+        [
+            ("no_skin_percent", self.no_skin_percent),
+            ("data_percent", self.data_percent),
+            ("radius_across_mm", self.radius_across_mm),
+            ("radius_along_mm", self.radius_along_mm),
+            ("residual_mm", self.residual_mm),
+            ("footprint_ml", self.footprint_ml),
+            ("air_ml", self.air_ml),
+        ]
+    }
+
     /// The figures of skin, bare chest and wall over a patch.
     pub(crate) fn of_fields(
         grid: Grid,

@@ -13,7 +13,56 @@ pub struct Surface {
     pub colors: Option<Vec<[u8; 3]>>,
 }
 
+/// Why arrays are no surface, in one line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ArraysError(String);
+
+/// Greatest coordinate of an array \[mm\].
+const GREATEST_MM: f64 = 1e7;
+
 impl Surface {
+    /// The surface of arrays: three coordinates of each vertex \[mm\], three vertices of each triangle from 0, counter-clockwise seen from
+    /// outside.
+    ///
+    /// # Errors
+    /// An array of another length, a coordinate that is no number or beyond 1e7 mm, a vertex that does not exist, no triangle.
+    pub fn of_arrays<T: Copy + Into<i64>>(
+        positions: &[f64],
+        triangles: &[T],
+    ) -> Result<Self, ArraysError> {
+        for (name, length) in [("positions", positions.len()), ("triangles", triangles.len())] {
+            if !length.is_multiple_of(3) {
+                let line = format!("{name} has {length} numbers; allowed: three of each");
+                return Err(ArraysError(line));
+            }
+        }
+        let ((points, _), (corners, _)) = (positions.as_chunks::<3>(), triangles.as_chunks::<3>());
+        let wrong = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite() || x.abs() > GREATEST_MM);
+        if let Some(k) = points.iter().position(wrong) {
+            let line = format!("positions[{k}] is {:?}; allowed: numbers up to 1e7 mm", points[k]);
+            return Err(ArraysError(line));
+        }
+        let count = points.len() as i64;
+        let corners: Vec<[i64; 3]> = corners.iter().map(|t| t.map(Into::into)).collect();
+        let is_missing = |t: &[i64; 3]| t.iter().any(|k| !(0..count).contains(k));
+        if let Some(k) = corners.iter().position(is_missing) {
+            let allowed = match count {
+                0 => "allowed: no vertex, for positions is empty".to_owned(),
+                _ => format!("allowed: vertices 0 to {}", count - 1),
+            };
+            return Err(ArraysError(format!("triangles[{k}] is {:?}; {allowed}", corners[k])));
+        }
+        if corners.is_empty() {
+            return Err(ArraysError("triangles is empty; allowed: 1 triangle or more".to_owned()));
+        }
+        Ok(Self {
+            positions: points.iter().copied().map(DVec3::from).collect(),
+            triangles: corners.into_iter().map(|t| t.map(|k| k as u32)).collect(),
+            colors: None,
+        })
+    }
+
     /// The corners of a triangle \[mm\].
     #[must_use]
     pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {

@@ -54,6 +54,61 @@ export interface ManyOptions {
   signal?: AbortSignal;
 }
 
+/** A surface of triangles. */
+export interface Surface {
+  /** Positions of the vertices [mm]: x, y, z of the first one, of the second one, and so on. */
+  positions: ArrayLike<number>;
+  /** Vertices of the triangles from 0, three of the first one, of the second one, and so on; counter-clockwise seen from outside. */
+  triangles: ArrayLike<number>;
+}
+
+/** The surface of a body as it was read. */
+export interface Body extends Surface {
+  positions: Float64Array;
+  triangles: Uint32Array;
+  /** The unit of the file. */
+  unit: "mm" | "cm" | "m";
+  /** What was dropped, split or turned, in sentences. */
+  notes: string[];
+}
+
+/**
+ * Points [x, y, z] on a body [mm] by their names: `sternal_notch`, `navel`, `nipple_left`, `nipple_right`, of the side `fold_`, `upper_`,
+ * `medial_`, `lateral_` and `left` or `right`; optionally `implant_centre_`.
+ */
+export type Marks = Record<string, readonly [number, number, number]>;
+
+/** A fitted side of a body. */
+export interface FittedBody {
+  /** The scene with the implant and the skin of the opening plan; its `body` has the place. */
+  scene: Scene;
+  quality: {
+    /** Shares of a patch of 130 mm without skin, and that determine the chest [%]. */
+    no_skin_percent: number;
+    data_percent: number;
+    /** Radii of the chest at the implant's centre [mm]; null: flat. */
+    radius_across_mm: number | null;
+    radius_along_mm: number | null;
+    /** Root mean square distance of the data from a smooth chest [mm]. */
+    residual_mm: number;
+    /** Volume between skin and chest in the ellipse of the marks [ml]. */
+    footprint_ml: number;
+    /** Air under the breast, which counts as tissue [ml]. */
+    air_ml: number;
+    /** Least, median and greatest thickness of the tissue within 60 mm [mm]. */
+    thickness_mm: [number, number, number];
+    /** What to check, in sentences. */
+    warnings: string[];
+  };
+}
+
+/** A body over an implant. */
+export interface DeformedBody {
+  /** Positions of the vertices [mm], in the order of those before. */
+  positions: Float64Array;
+  result: Outcome;
+}
+
 /** Options of `map`: the scene around which the map varies, axes, grid, quantity of the contour lines. */
 export type MapOptions = MapChoices & { scene: Scene };
 
@@ -78,6 +133,33 @@ let isLoaded = false;
 /** Solves a scene on this thread, which waits. Throws an `Error` of one line for an invalid scene. */
 export function simulate(scene: Scene | string): Outcome {
   return JSON.parse(loaded().simulate(textOf(scene)));
+}
+
+/** Reads the surface of a body from the content of a file (PLY, STL, OBJ, GLB; 100 MB, 2 million triangles at most), cleaned and in mm. */
+export function readBody(content: Uint8Array | ArrayBuffer, name: string): Body {
+  return loaded().read_body(content instanceof Uint8Array ? content : new Uint8Array(content), name);
+}
+
+/**
+ * Fits a side of a body with the marks of a surgeon. `coverMm`: thickness of the tissue beside the breast, half a pinch, 6 to 30; default
+ * 10.
+ */
+export function fitBody(
+  { positions, triangles }: Surface,
+  marks: Marks,
+  side: "left" | "right",
+  { coverMm = 10 }: { coverMm?: number } = {},
+): FittedBody {
+  return JSON.parse(loaded().fit_body(positionsOf(positions), trianglesOf(triangles), JSON.stringify(marks), side, coverMm));
+}
+
+/**
+ * Solves a scene of `fitBody` on this thread, which waits; returns the vertices of its body over the implant. A vertex outside of the patch
+ * keeps its place to the last bit.
+ */
+export function deform(scene: Scene | string, { positions, triangles }: Surface): DeformedBody {
+  const after = loaded().deform(textOf(scene), positionsOf(positions), trianglesOf(triangles));
+  return { positions: after.positions, result: JSON.parse(after.result) };
 }
 
 /**
@@ -157,6 +239,14 @@ function loaded(): typeof program {
 
 function textOf(scene: Scene | string): string {
   return typeof scene === "string" ? scene : JSON.stringify(scene);
+}
+
+function positionsOf(values: ArrayLike<number>): Float64Array {
+  return values instanceof Float64Array ? values : Float64Array.from(values);
+}
+
+function trianglesOf(values: ArrayLike<number>): Uint32Array {
+  return values instanceof Uint32Array ? values : Uint32Array.from(values);
 }
 
 /** The `id` of a scene, if it has one. */

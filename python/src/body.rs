@@ -18,44 +18,15 @@ fn surface(
     positions: &PyReadonlyArray2<'_, f64>,
     triangles: &PyReadonlyArray2<'_, i64>,
 ) -> PyResult<Surface> {
-    let points: Vec<[f64; 3]> = rows(&positions.as_array().iter().copied().collect::<Vec<_>>());
-    if let Some(k) = points.iter().position(|p| p.iter().any(|x| !x.is_finite() || x.abs() > 1e7)) {
-        return Err(refused(format!(
-            "positions[{k}] is {:?}; allowed: numbers up to 1e7 mm",
-            points[k]
-        )));
-    }
-    let corners: Vec<[i64; 3]> = rows(&triangles.as_array().iter().copied().collect::<Vec<_>>());
-    let count = points.len() as i64;
-    let is_wrong = |t: &[i64; 3]| t.iter().any(|k| !(0..count).contains(k));
-    if let Some(k) = corners.iter().position(is_wrong) {
-        let allowed = format!("allowed: vertices 0 to {}", count - 1);
-        return Err(refused(format!("triangles[{k}] is {:?}; {allowed}", corners[k])));
-    }
-    if corners.is_empty() {
-        return Err(refused("triangles is empty; allowed: 1 triangle or more"));
-    }
-    let positions = points.into_iter().map(Into::into).collect();
-    let triangles = corners.into_iter().map(|t| t.map(|k| k as u32)).collect();
-    Ok(Surface { positions, triangles, colors: None })
-}
-
-fn rows<T: Copy>(values: &[T]) -> Vec<[T; 3]> {
-    values.as_chunks().0.to_vec()
+    let positions: Vec<f64> = positions.as_array().iter().copied().collect();
+    let triangles: Vec<i64> = triangles.as_array().iter().copied().collect();
+    Surface::of_arrays(&positions, &triangles).map_err(refused)
 }
 
 /// Positions as an array of shape (vertices, 3).
 fn array<'py>(py: Python<'py>, surface: &Surface) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let flat: Vec<f64> = surface.positions.iter().flat_map(|p| p.to_array()).collect();
     PyArray1::from_vec(py, flat).reshape([surface.positions.len(), 3])
-}
-
-fn side_of(side: &str) -> PyResult<Side> {
-    match side {
-        "left" => Ok(Side::Left),
-        "right" => Ok(Side::Right),
-        _ => Err(refused(format!("side is \"{side}\"; allowed: \"left\" or \"right\""))),
-    }
 }
 
 #[pyfunction]
@@ -94,7 +65,8 @@ pub(crate) fn fit_body<'py>(
     side: &str,
     cover_mm: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (surface, side) = (surface(&positions, &triangles)?, side_of(side)?);
+    let surface = surface(&positions, &triangles)?;
+    let side: Side = side.parse().map_err(refused)?;
     let marks = Marks::from_json(marks).map_err(refused)?;
     let (least, most) = COVER_MM;
     if !(least..=most).contains(&cover_mm) {
@@ -105,15 +77,7 @@ pub(crate) fn fit_body<'py>(
     let scene = Scene::of_body(&fitted, (&marks, side), cover_mm, Unit::Mm).map_err(refused)?;
     let quality = PyDict::new(py);
     let found = &fitted.quality;
-    for (name, value) in [
-        ("no_skin_percent", found.no_skin_percent),
-        ("data_percent", found.data_percent),
-        ("radius_across_mm", found.radius_across_mm),
-        ("radius_along_mm", found.radius_along_mm),
-        ("residual_mm", found.residual_mm),
-        ("footprint_ml", found.footprint_ml),
-        ("air_ml", found.air_ml),
-    ] {
+    for (name, value) in found.figures() {
         quality.set_item(name, value)?;
     }
     quality.set_item("thickness_mm", found.thickness_mm)?;

@@ -1,7 +1,7 @@
 // Type-checked against the installed package (tsc --strict), and run in the browser as JavaScript: uses each function.
 
 import * as ip from "implant-preview";
-import type { BandsReport, Line, MapFile, MapPoint, Result, Scene } from "implant-preview";
+import type { BandsReport, Body, DeformedBody, FittedBody, Line, MapFile, MapPoint, Marks, Result, Scene } from "implant-preview";
 
 export async function useAll() {
   await ip.init();
@@ -32,6 +32,49 @@ export async function useAll() {
   }
   const forces = lines.map((line) => (line.error === undefined ? line.contact_force_n : line.error));
   return { opening, result, force, fromText, map, points, bands, progress, forces, schema: await ip.schema(), version: ip.version() };
+}
+
+/** Reads a body, fits its left side, solves the scene on it and at rest. */
+export async function useBody(content: Uint8Array, name: string, marks: Marks) {
+  await ip.init();
+  const body: Body = ip.readBody(content, name);
+  const fitted: FittedBody = ip.fitBody(body, marks, "left", { coverMm: 10 });
+  const scene: Scene = { ...fitted.scene, solver: { nodes_per_side: 33, tolerance: 1e-3 } };
+  const after: DeformedBody = ip.deform(scene, body);
+  const rest: DeformedBody = ip.deform(JSON.stringify({ ...scene, insertion: 0 }), body);
+  const [radius, unit]: [number | null, "mm" | "cm" | "m"] = [fitted.quality.radius_across_mm, body.unit];
+  const line = (run: () => unknown): string => {
+    try {
+      return JSON.stringify(run());
+    } catch (error) {
+      return `${error}`;
+    }
+  };
+  const { positions, triangles } = body;
+  const refused = [
+    line(() => ip.readBody(new Uint8Array([1, 2, 3]), "body.ply")),
+    line(() => ip.fitBody({ positions: positions.subarray(1), triangles }, marks, "left")),
+    line(() => ip.fitBody({ positions, triangles: [0, 1, -1] }, marks, "left")),
+    line(() => ip.fitBody({ positions, triangles: [] }, marks, "left")),
+    line(() => ip.fitBody({ positions: Array.from(positions, () => NaN), triangles }, marks, "left")),
+    line(() => ip.fitBody(body, { navel: [0, 0, 0] }, "left")),
+    line(() => ip.fitBody(body, marks, "middle" as "left")),
+    line(() => ip.fitBody(body, marks, "left", { coverMm: 3 })),
+    line(() => ip.deform(ip.openingScene(), body)),
+  ];
+  const plain = (values: ArrayLike<number>) => Array.from(values);
+  return {
+    positions: plain(positions),
+    triangles: plain(triangles),
+    unit,
+    notes: body.notes,
+    radius,
+    fitted,
+    after: plain(after.positions),
+    status: after.result.status,
+    rest: plain(rest.positions),
+    refused,
+  };
 }
 
 /** What the types refuse: an error that is missing is an error of this file. */
@@ -70,4 +113,11 @@ export async function refused() {
   await ip.schema("moon");
   // @ts-expect-error an unknown option
   ip.simulateMany([scene], { threads: 2 });
+  const body = ip.readBody(new Uint8Array(), "body.ply");
+  // @ts-expect-error an unknown side
+  ip.fitBody(body, {}, "middle");
+  // @ts-expect-error a mark of two numbers
+  ip.fitBody(body, { navel: [0, 0] }, "left");
+  // @ts-expect-error a surface without triangles
+  ip.deform(scene, { positions: body.positions });
 }

@@ -4,6 +4,9 @@
 
 #[cfg(feature = "js-api")]
 mod benchmark;
+// The page has its own way to a body.
+#[cfg(not(feature = "app"))]
+pub mod body;
 mod clock;
 pub mod studies;
 
