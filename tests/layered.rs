@@ -427,6 +427,25 @@ fn a_refined_solution_is_that_of_a_smaller_tolerance() {
     assert!(refined.work_units() < 0.7 * newton.work_units(), "{}", refined.work_units());
 }
 
+/// The limit of work of all grids holds within an iteration, too, on every grid.
+#[test]
+fn newtons_method_ends_at_its_limit_of_work() {
+    const FACTOR: f64 = 0.05;
+    for nodes in [33, 65] {
+        let scene = papers_fat(nodes);
+        let options =
+            Options { method: Method::Newton, work_limit_factor: FACTOR, ..Options::default() };
+        let solver = solved(&scene, options);
+        let Problem { rest, .. } = solver.problem();
+        let cells = rest.cells().len() * rest.sheet().free_nodes();
+        // 9e6 evaluations of a cell, and one piece of work.
+        let most = FACTOR * 9e6 / cells as f64 + 15.0;
+        let work = solver.work_units();
+        assert_ne!(solver.verdict(), Verdict::Converged, "{nodes}: {work}");
+        assert!(work > most - 30.0 && work <= most, "{nodes}: {work} of {most}");
+    }
+}
+
 /// f32 resolves tolerances down to 1e-5; Newton's method completes the solve.
 #[test]
 fn newtons_method_reaches_small_tolerances_and_shapes_out_of_multigrids_reach() {

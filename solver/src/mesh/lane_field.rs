@@ -121,11 +121,11 @@ impl Field {
         }
     }
 
-    /// Moves the field by a fraction of the difference to another one.
-    pub(crate) fn blend(&mut self, other: &Self, fraction: f32) {
-        for (u, other) in self.planes_mut().zip(other.planes()) {
-            for (u, other) in u.iter_mut().zip(other) {
-                *u += fraction * (other - *u);
+    /// Adds a multiple of a − b.
+    pub(crate) fn add_scaled_difference(&mut self, a: &Self, b: &Self, factor: f32) {
+        for ((u, a), b) in self.planes_mut().zip(a.planes()).zip(b.planes()) {
+            for ((u, a), b) in u.iter_mut().zip(a).zip(b) {
+                *u += factor * (a - b);
             }
         }
     }

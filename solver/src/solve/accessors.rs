@@ -1,9 +1,10 @@
 //! Accessors of the solver: status, positions, forces, energy, work counters.
 
+use super::fas::Ending;
 use super::multigrid::Multigrid;
 use super::newton_method::NewtonMethod;
 use super::{
-    Displayed, Invalid, Method, Problem, Report, Shape, Solution, Solver, Stage, Verdict,
+    Displayed, Invalid, Method, Problem, Progress, Report, Shape, Solution, Solver, Stage, Verdict,
     discretisation, initial_guess,
 };
 use crate::model::membrane::assembly;
@@ -176,6 +177,12 @@ impl Solver {
         self.revision
     }
 
+    /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); empty for a sheet.
+    #[must_use]
+    pub fn outer(&self) -> &[Vec<DVec3>] {
+        &self.outer
+    }
+
     /// Spring forces at every node of [`Solution::balanced`] \[kPa·mm²\], shape (nodes_per_side², ), and the root of
     /// the sum of squares of the forces of single triangles. Dome, wall and edge balance the nodal forces.
     #[must_use]
@@ -207,10 +214,18 @@ impl Solver {
         initial_guess::taut_profile(&self.problem.rest, &self.problem.obstacle.dome)
     }
 
+    /// The ending of the attempt that computed the shape.
+    fn ending_of_shape(&self, multigrid: &Multigrid) -> Ending {
+        let is_kept = self.progress == Progress::Done && self.verdict != Verdict::Converged;
+        self.kept.filter(|_| is_kept).unwrap_or_else(|| multigrid.ending())
+    }
+
     fn relative_residual(&self) -> f64 {
         match (self.stage, &self.multigrid, &self.newton) {
             (Stage::Rest, ..) => 0.0,
-            (Stage::Multigrid, Some(multigrid), _) => multigrid.ending().relative_residual,
+            (Stage::Multigrid, Some(multigrid), _) => {
+                self.ending_of_shape(multigrid).relative_residual
+            }
             (_, _, Some(newton)) => newton.relative_residual(),
             _ => f64::INFINITY,
         }
@@ -222,7 +237,7 @@ impl Solver {
     pub fn estimated_position_error(&self) -> f64 {
         let error = match (self.stage, &self.multigrid, &self.newton) {
             (Stage::Rest, ..) => return self.error_at_rest(),
-            (Stage::Multigrid, Some(multigrid), _) => multigrid.ending().error,
+            (Stage::Multigrid, Some(multigrid), _) => self.ending_of_shape(multigrid).error,
             (_, _, Some(newton)) => newton.error(),
             _ => f64::INFINITY,
         };

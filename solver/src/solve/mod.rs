@@ -7,7 +7,7 @@
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
-//! `validity` | `discretisation` | `reactions`.
+//! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions`.
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
@@ -15,6 +15,7 @@ mod accessors;
 mod discretisation;
 mod fas;
 pub(crate) mod initial_guess;
+mod last_shape;
 pub(crate) mod linear;
 mod multigrid;
 mod newton;
@@ -63,6 +64,8 @@ pub struct Solver {
     mirrored: Mirrored,
     invalid: Option<Invalid>,
     displayed: Displayed,
+    /// The ending of the failed attempt of layered tissue whose shape is displayed.
+    kept: Option<fas::Ending>,
     /// Number of changes of [`Self::x`].
     revision: u64,
     tables_built: u64,
@@ -80,9 +83,6 @@ enum Stage {
     Newton,
 }
 
-/// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
-/// and a shape to display \[base radius\].
-const MAX_ERROR_OF_SHAPE: f64 = 0.02;
 /// Height of the dome's apex up to which the sheet stays at rest \[tolerances\].
 const REST_TOLERANCE: f64 = 0.5;
 
@@ -111,6 +111,7 @@ impl Solver {
             stage: Stage::Newton,
             attempts: 1,
             displayed: Displayed::Previous,
+            kept: None,
             revision: 0,
             tables_built: 1,
             grids_built: 0,
@@ -194,6 +195,7 @@ impl Solver {
         self.attempts = 1;
         self.invalid = None;
         self.displayed = Displayed::Previous;
+        self.kept = None;
         if let Some(newton) = &mut self.newton {
             newton.clear_work();
         }
@@ -349,18 +351,15 @@ impl Solver {
             }
             fas::State::Failed => {
                 self.attempts += 1;
+                self.keep_shape();
                 let stop = self.stop();
                 if let Some(multigrid) = &mut self.multigrid
                     && multigrid.start_again(&self.problem, stop, self.attempts)
                 {
                     return state;
                 }
-                // A shape of a coarse grid is far from the finest grid's.
-                let has_shape = self.law.layered().is_some()
-                    && self.cycles() > 0
-                    && self.estimated_position_error() < MAX_ERROR_OF_SHAPE
-                    && self.display_multigrid(Displayed::Draft);
                 if self.is_in_reach_of_newton() {
+                    let has_shape = self.kept.is_some();
                     self.start_newton(if has_shape { Start::FromSolution } else { Start::Cold });
                 } else {
                     self.end_with_last_shape();
@@ -400,7 +399,9 @@ impl Solver {
         let state = newton.step(problem, &self.law);
         if newton.is_on_finest() && newton.revision() != revision {
             self.invalid = newton.invalid(problem);
-            if self.invalid.is_none() {
+            let is_better = self.kept.is_none_or(|kept| newton.error() <= kept.error);
+            if self.invalid.is_none() && (is_better || state == newton::State::Converged) {
+                self.kept = None;
                 let offset_nodes = &mut self.offset_nodes;
                 newton.write_positions(problem, &mut self.x, offset_nodes, &mut self.outer);
                 self.mirrored = [false; 2];
@@ -414,7 +415,11 @@ impl Solver {
                 self.end_with_last_shape();
             }
             (newton::State::Unstable, _) | (_, Some(Invalid::Penetrated)) => {
-                self.end(Verdict::Unstable);
+                if self.kept.is_some() {
+                    self.end_with_last_shape();
+                } else {
+                    self.end(Verdict::Unstable);
+                }
             }
             // A node that slides off the dome lets the dome protrude.
             (newton::State::Saddle, _) => {
@@ -428,47 +433,10 @@ impl Solver {
         }
     }
 
-    /// Makes the last shape of layered tissue admissible: a step of Newton's method ends beside the dome by the square of
-    /// its length. A shape with an inverted cell is no shape.
-    fn admit_last_shape(&mut self) {
-        let obstacle = &self.problem.obstacle;
-        for x in &mut self.x {
-            *x = obstacle.project(*x, 0.0);
-        }
-        if self.solution().has_inverted_cell() {
-            self.invalid = Some(Invalid::NotFound);
-            self.verdict = Verdict::Unstable;
-        }
-    }
-
     /// Would Newton's method end within seconds?
     fn is_in_reach_of_newton(&self) -> bool {
         let cells = self.problem.rest.cells().len();
         cells * self.problem.sheet().free_nodes() <= self.options.max_newton_cells
-    }
-
-    /// Ends without convergence: with the last valid shape of either method, if there is one.
-    fn end_with_last_shape(&mut self) {
-        if self.displayed == Displayed::Draft && self.multigrid.is_some() {
-            // Newton's method ended without a shape.
-            self.stage = Stage::Multigrid;
-        }
-        let has_shape = matches!(self.displayed, Displayed::Draft | Displayed::Final);
-        self.invalid = (!has_shape).then_some(Invalid::NotFound);
-        self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
-    }
-
-    /// Ends the solve as not converged, with the last valid shape of the finest grid; without one [`Self::invalid`] is
-    /// [`Invalid::NotFound`].
-    pub fn give_up(&mut self) {
-        if self.progress == Progress::Done {
-            return;
-        }
-        if self.stage == Stage::Multigrid && self.cycles() > 0 {
-            self.display_multigrid(Displayed::Draft);
-        }
-        self.end_with_last_shape();
-        self.verdict = Verdict::NotConverged;
     }
 
     fn end(&mut self, verdict: Verdict) {
@@ -478,12 +446,6 @@ impl Solver {
         }
         self.progress = Progress::Done;
         self.displayed = Displayed::Final;
-    }
-
-    /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); empty for a sheet.
-    #[must_use]
-    pub fn outer(&self) -> &[Vec<DVec3>] {
-        &self.outer
     }
 
     /// Ends the solve as if the last shape were invalid, for tests of what follows.

@@ -25,6 +25,9 @@ const NEAR_END: f64 = 0.1;
 /// Slow cycles of a sheet on a grid from which on they are robust. Fixed by `contact-of-one-node`.
 const SLOW_AGAIN: u32 = 3;
 
+/// Least squared sine of the angle between the differences of changes that are mixed \[-\].
+const LEAST_SINE_SQUARED: f64 = 0.01;
+
 /// Length of the step D⁻¹r of a residual that is negligible \[tolerance\].
 const NEGLIGIBLE_STEP: f64 = 0.1;
 
@@ -86,8 +89,10 @@ pub(super) struct Convergence {
     residual_squares: Option<f64>,
     /// The change of the last cycle \[mm\].
     last_change: f64,
-    /// Does the grid have the change of a cycle before?
-    has_last_update: bool,
+    /// Number of cycles before whose changes the grid has.
+    updates: u32,
+    /// ⟨r′, r″⟩ of the changes of the last two cycles.
+    last_product: f64,
     /// Convergence factors of the last two cycles without mixing \[-\], zero while unknown.
     unmixed_rates: [f64; 2],
     pub(super) ending: Ending,
@@ -106,7 +111,8 @@ impl Convergence {
         neglected_offset: 0.0,
         residual_squares: None,
         last_change: f64::INFINITY,
-        has_last_update: false,
+        updates: 0,
+        last_product: 0.0,
         unmixed_rates: [0.0; 2],
         ending: Ending::NONE,
     };
@@ -227,7 +233,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             self.convergence.offsets = self.find_contact_offsets();
             if self.convergence.offsets == Offsets::Applied {
                 self.convergence.forget_changes();
-                self.convergence.has_last_update = false;
+                self.convergence.updates = 0;
                 self.begin_cycle();
                 return State::Working;
             }
@@ -374,33 +380,70 @@ impl<M: ElasticModel> FullMultigrid<M> {
         Offsets::Applied
     }
 
-    /// Mixes the results g of the last two cycles so that the change r = g − u, linear between them, is least:
-    /// u ← g − θ(g − g′), θ = ⟨r, r − r′⟩/⟨r − r′, r − r′⟩.
+    /// Mixes the results g of the last cycles so that the change r = g − u, linear between them, is least:
+    /// u ← g − θ₁(g − g′) − θ₂(g − g″), of two cycles θ₁ = ⟨r, r − r′⟩/⟨r − r′, r − r′⟩.
     fn mix(&mut self) {
         let level = &mut self.levels[self.grid];
-        let Level { layout, u, before, last_update, last_result, .. } = level;
-        let Convergence { has_last_update, unmixed_rates, .. } = &mut self.convergence;
-        let [product, square, own] = layout.products(u, before, last_update);
+        let Level { layout, u, before, last_cycles, .. } = level;
+        let Convergence { updates, cycles, last_product, unmixed_rates, .. } =
+            &mut self.convergence;
+        let [product, square, own] = layout.products(u, before, &last_cycles[0].change);
         let theta = (own - product) / (own - 2.0 * product + square);
         // θ = ρ/(ρ − 1) for changes that fall by a factor ρ.
-        if *has_last_update && theta < 0.0 {
+        if *updates > 0 && theta < 0.0 {
             unmixed_rates[1] = unmixed_rates[0];
             unmixed_rates[0] = theta / (theta - 1.0);
         }
-        last_update.set_difference(u, before);
         let (least, most) = self.parameters.mixing_bounds;
-        let theta =
-            (*has_last_update && theta.is_finite()).then(|| theta.clamp(least, most) as f32);
-        if let Some(theta) = theta {
-            // The result of this cycle replaces that of the last one, which the blend needs first.
-            before.copy_from(u);
-            u.blend(last_result, theta);
-            last_result.copy_from(before);
-            level.project_feasible();
-        } else {
-            last_result.copy_from(u);
+        let is_known = *updates > 0 && theta.is_finite();
+        let mut thetas = [if is_known { theta.clamp(least, most) } else { 0.0 }, 0.0];
+        let has_many = *updates > 1 && *cycles >= self.parameters.three_mixed_from;
+        if let Some(older) = last_cycles.get(1).filter(|_| has_many) {
+            let [older, older_square, _] = layout.products(u, before, &older.change);
+            // Products of r − r′ and r − r″ with each other, and with r.
+            let squares = [own - 2.0 * product + square, own - 2.0 * older + older_square];
+            let mixed = own - product - older + *last_product;
+            let both = least_change(squares, mixed, [own - product, own - older]);
+            thetas = both.filter(|t| (least..=most).contains(&(t[0] + t[1]))).unwrap_or(thetas);
         }
-        level.mix_constraints(&self.model, theta);
-        self.convergence.has_last_update = true;
+        *last_product = product;
+        *updates += 1;
+        let thetas = thetas.map(|theta| theta as f32);
+        // The place of the oldest cycle becomes that of this one.
+        let last = last_cycles.len() - 1;
+        last_cycles[last].change.set_difference(u, before);
+        // The result of this cycle, which the next ones need.
+        before.copy_from(u);
+        for (&theta, cycle) in thetas.iter().zip(&*last_cycles).filter(|(t, _)| **t != 0.0) {
+            u.add_scaled_difference(&cycle.result, before, theta);
+        }
+        last_cycles[last].result.copy_from(before);
+        last_cycles.rotate_right(1);
+        if *updates > 1 {
+            level.project_feasible();
+        }
+        level.mix_constraints(&self.model, thetas);
+    }
+}
+
+/// The factors θ of the least square of r − θ₁ d₁ − θ₂ d₂ from the squares of d₁ and d₂, their product and their products with r;
+/// `None` of differences that are nearly parallel.
+fn least_change([a, b]: [f64; 2], mixed: f64, [p, q]: [f64; 2]) -> Option<[f64; 2]> {
+    let determinant = a * b - mixed * mixed;
+    let is_regular = determinant > LEAST_SINE_SQUARED * a * b;
+    is_regular.then(|| [(b * p - mixed * q) / determinant, (a * q - mixed * p) / determinant])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_differences_take_away_their_part_of_the_change() {
+        // r = (3, −2, 5), d₁ = (1, 0, 0), d₂ = (1, 1, 0): what remains is (0, 0, 5).
+        let thetas = least_change([1.0, 2.0], 1.0, [3.0, 1.0]);
+        assert_eq!(thetas, Some([5.0, -2.0]));
+        assert_eq!(least_change([1.0, 4.0], 2.0, [3.0, 6.0]), None);
+        assert_eq!(least_change([f64::NAN, 4.0], 2.0, [3.0, 6.0]), None);
     }
 }

@@ -15,6 +15,15 @@ use std::sync::Arc;
 /// Distance of the factor of a correction from one up to which the correction stays as it is \[-\].
 const NEGLECTED_SCALING: f32 = 0.1;
 
+/// A cycle of a grid.
+#[derive(Clone, Debug)]
+pub(super) struct Cycle {
+    /// The change of the displacements.
+    pub(super) change: Field,
+    /// The displacements after the cycle, before mixing.
+    pub(super) result: Field,
+}
+
 /// A grid with its state and scratch.
 #[derive(Clone, Debug)]
 pub(super) struct Level<M: ElasticModel> {
@@ -32,9 +41,8 @@ pub(super) struct Level<M: ElasticModel> {
     correction: Field,
     /// Displacements at the start of a cycle, or restricted from the finer grid.
     pub(super) before: Field,
-    /// The change of the last cycle of this grid, and its result before mixing; empty on coarser grids of a sheet.
-    pub(super) last_update: Field,
-    pub(super) last_result: Field,
+    /// The last cycles of this grid whose results are mixed, the last one first.
+    pub(super) last_cycles: Vec<Cycle>,
     /// The FAS defect term of f(u) + τ = 0; unused while this grid is the one being solved, `None` on the finest grid.
     pub(super) tau: Option<Field>,
     pub(super) inverse: M::Stiffness,
@@ -55,6 +63,7 @@ impl<M: ElasticModel> Level<M> {
         nodes_per_side: usize,
         mirrored: Mirrored,
         is_finest: bool,
+        kept_cycles: usize,
         model: &M,
     ) -> Self {
         let mut layout = Layout::new(nodes_per_side, mirrored);
@@ -64,7 +73,7 @@ impl<M: ElasticModel> Level<M> {
         let length = layout.len();
         let layers = model.layers();
         let field = || Field::new(length, layers);
-        let mixed = || if is_finest || layers > 1 { field() } else { Field::default() };
+        let cycle = |_| Cycle { change: field(), result: field() };
         let nowhere =
             Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, HalfBall::round(1.0, 1.0), 1.0));
         Self {
@@ -75,8 +84,7 @@ impl<M: ElasticModel> Level<M> {
             are_forces_current: false,
             correction: if layers > 1 { field() } else { Field::default() },
             before: field(),
-            last_update: mixed(),
-            last_result: mixed(),
+            last_cycles: (0..kept_cycles).map(cycle).collect(),
             tau: (!is_finest).then(field),
             inverse: M::Stiffness::new(length, layers),
             active: vec![0.0; length],
@@ -155,8 +163,8 @@ impl<M: ElasticModel> Level<M> {
     }
 
     /// Mixes the model's constraints: see [`ElasticModel::mix`].
-    pub(super) fn mix_constraints(&mut self, model: &M, theta: Option<f32>) {
-        model.mix(&mut self.scratch, theta);
+    pub(super) fn mix_constraints(&mut self, model: &M, thetas: [f32; 2]) {
+        model.mix(&mut self.scratch, thetas);
     }
 
     /// Interpolates the model's constraints from a coarser grid.
@@ -342,7 +350,7 @@ mod tests {
                 let law = SheetLaw::new(springs, &materials);
                 let rest = Rest::of_sheet(Sheet::new(n, (n / 2) as f64));
                 let sheet = rest.sheet();
-                let mut level = Level::new(n, mirrored, true, &Membrane::new(&law));
+                let mut level = Level::new(n, mirrored, true, 0, &Membrane::new(&law));
                 let first = level.layout.first();
                 // A bulge with ripples, symmetric about both axes.
                 let bulge = |p: DVec2| {
@@ -461,7 +469,7 @@ mod tests {
                 continue;
             }
             let model = Layered::new(&law, &rest, pocket_radius, attachment);
-            let mut level = Level::new(n, mirrored, true, &model);
+            let mut level = Level::new(n, mirrored, true, 0, &model);
             level.fit(&model, sheet.spacing_mm(), &rest);
             let Level { layout, u, .. } = &mut level;
             let first = layout.first();

@@ -124,7 +124,16 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let levels: Vec<Level<M>> = sides
             .iter()
             .rev()
-            .map(|&n| Level::new(n, mirrored, n == nodes_per_side, &model))
+            .enumerate()
+            .map(|(grid, &n)| {
+                let is_finest = n == nodes_per_side;
+                // Three results are mixed where many cycles are: on the first grid and the finest one.
+                let kept_cycles = match model.layers() {
+                    1 => usize::from(is_finest),
+                    _ => 1 + usize::from(is_finest || grid <= parameters.first_grid),
+                };
+                Level::new(n, mirrored, is_finest, kept_cycles, &model)
+            })
             .collect();
         Self {
             parameters,
@@ -167,9 +176,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.grid + 1 == self.levels.len()
     }
 
-    /// Cycles of the finest grid so far.
+    /// Cycles of the finest grid under the whole dome so far.
     pub(super) fn finest_cycles(&self) -> u32 {
-        if self.is_on_finest() { self.convergence.cycles } else { 0 }
+        if self.is_on_finest() && self.ascent.is_empty() { self.convergence.cycles } else { 0 }
     }
 
     /// Free nodes of the finest grid that are solved for.

@@ -25,7 +25,7 @@ fn skin_under_tension_has_no_forces_at_rest_in_lanes() {
             Rest::layered(Sheet::new(33, 80.0), &[8.0], 2).over(chest.clone()).stretched(natural);
         let model = Layered::new(&law, &rest, 40.0, None);
         for n in [17, 33] {
-            let mut level = Level::new(n, [false; 2], true, &model);
+            let mut level = Level::new(n, [false; 2], true, 0, &model);
             level.fit(&model, 160.0 / (n - 1) as f64, &rest);
             let greatest = |level: &mut Level<Layered>| {
                 level.find_forces(&model);

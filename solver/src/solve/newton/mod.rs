@@ -181,11 +181,6 @@ impl<S: System> Newton<S> {
         }
     }
 
-    /// Does the next piece of work start an iteration?
-    fn is_between_iterations(&self) -> bool {
-        matches!(self.phase, Phase::Linearize { piece: 0 })
-    }
-
     /// Starts from the positions in `x`, moved until the inner face is outside of the obstacle.
     fn start(&mut self, case: &Case<S::Law>) {
         S::start(self, case);

@@ -106,7 +106,7 @@ impl<S: System> NestedNewton<S> {
     /// Does the next piece of work. A state other than [`State::Working`] is the final state of the finest grid, or
     /// [`State::Unstable`] on any grid.
     pub(in crate::solve) fn step(&mut self, law: &S::Law, problem: &Problem) -> State {
-        if self.levels[self.grid].is_between_iterations() && self.work_units() > self.max_work {
+        if self.work_units() > self.max_work {
             return State::Stalled;
         }
         let (case, is_finest) = (self.case(law, problem), self.is_on_finest());

@@ -85,11 +85,11 @@ pub(super) const SHEET: Parameters = Parameters {
     least_cells: 0,
 };
 
-/// Costs by measured times; a limit of two seconds of a core, more on the finest grids. Fixed by `layered-long-newton`.
+/// Costs by measured times; a limit of two seconds of a core on every grid. Fixed by `layered-long-newton`.
 pub(super) const LAYERED: Parameters = Parameters {
     max_iterations: 60,
     work_of_grid: WorkLimit::NONE,
-    work_of_all_grids: WorkLimit { elements: 9e6, least: 200.0, most: 7500.0 },
+    work_of_all_grids: WorkLimit { elements: 9e6, least: 0.0, most: 7500.0 },
     cost: Cost { linearize: 12.0, product: 1.0, energy: 0.7 },
     max_halvings: 12,
     holds_halved_steps: true,

@@ -85,8 +85,8 @@ pub(crate) struct Scratch {
     pressure: Vec<f32>,
     /// The same of the groups of four cells at the border, shape (layers of cells, groups).
     border_pressure: Vec<f32x4>,
-    /// Both before the last mixing.
-    last_pressures: (Vec<f32>, Vec<f32x4>),
+    /// Both before the last two mixings, the last one first.
+    last_pressures: [(Vec<f32>, Vec<f32x4>); 2],
     /// Of the cells at each stored node: 1 in the ring of four points, else 0.
     in_ring: Vec<f32>,
     /// Of the cell at each stored node: integrals of the attachment for [`super::attachment::PAIRS`], scaled.
@@ -318,19 +318,27 @@ impl ElasticModel for Layered {
         scratch.shapes = shapes;
     }
 
-    fn mix(&self, scratch: &mut Scratch, theta: Option<f32>) {
+    fn mix(&self, scratch: &mut Scratch, [one, two]: [f32; 2]) {
         let Scratch { pressure, border_pressure, last_pressures, .. } = scratch;
-        let (last, last_border) = last_pressures;
-        let Some(theta) = theta else {
-            last.clone_from(pressure);
-            last_border.clone_from(border_pressure);
-            return;
-        };
-        for (p, last) in pressure.iter_mut().zip(last) {
-            (*p, *last) = (*p - theta * (*p - *last), *p);
+        for (last, last_border) in last_pressures.iter_mut() {
+            // After the first mixing nothing is allocated.
+            last.resize(pressure.len(), 0.0);
+            last_border.resize(border_pressure.len(), f32x4::ZERO);
         }
-        for (p, last) in border_pressure.iter_mut().zip(last_border) {
-            (*p, *last) = (*p - (*p - *last) * theta, *p);
+        let [(last, last_border), (older, older_border)] = last_pressures;
+        // A number of another solve may not be finite.
+        let part = |theta: f32, by: f32| if theta == 0.0 { 0.0 } else { theta * by };
+        for ((p, last), older) in pressure.iter_mut().zip(last).zip(older) {
+            let own = *p;
+            *p = own - part(one, own - *last) - part(two, own - *older);
+            (*last, *older) = (own, *last);
+        }
+        let parts = |theta: f32, by: f32x4| if theta == 0.0 { f32x4::ZERO } else { by * theta };
+        let places = border_pressure.iter_mut().zip(last_border).zip(older_border);
+        for ((p, last), older) in places {
+            let own = *p;
+            *p = own - parts(one, own - *last) - parts(two, own - *older);
+            (*last, *older) = (own, *last);
         }
     }
 
