@@ -259,3 +259,20 @@ fn message_page(ui: &mut Ui, heading: &str, add: impl FnOnce(&mut Ui)) {
         });
     });
 }
+
+/// Greatest width of the scale bar on the lower edge of the picture \[points\].
+const SCALE_BAR: f32 = 140.0;
+
+/// What to do first, on the lower edge of the picture.
+pub(super) fn hint(ui: &mut Ui, area: Rect) {
+    let layout = egui::Layout::bottom_up(egui::Align::Max);
+    let inner = area.shrink(2.0 * theme::SPACE);
+    // To the right of the scale bar, above the word of a direction.
+    let inner = inner.with_min_x(inner.left() + SCALE_BAR);
+    let inner = inner.with_max_y(inner.bottom() - ui.text_style_height(&egui::TextStyle::Body));
+    let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
+    let words = tr("Change width, volume or pinch · drag the picture to turn it");
+    let words = RichText::new(words).color(ui.visuals().weak_text_color());
+    ui.new_child(builder)
+        .add(egui::Label::new(words).selectable(false).wrap().halign(egui::Align::Max));
+}

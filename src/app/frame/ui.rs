@@ -139,10 +139,8 @@ impl App {
         plan::side(ui, &mut scene.side, scene.placement.is_some(), Hand::Mouse);
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
-        steady(ui, "patient", |ui| {
+        steady(ui, "patient and pocket", |ui| {
             self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
-        });
-        steady(ui, "below the patient", |ui| {
             plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
             plan::pocket(ui, scene, Hand::Mouse);
             self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
@@ -440,7 +438,7 @@ impl App {
             self.screen.view_bar_height =
                 view_bar::show(ui, area, layout, &self.shared, &mut self.actions);
             if has_shape && !self.edits.is_edited && layout == Layout::Wide {
-                hint(ui, area);
+                messages::hint(ui, area);
             }
         }
         if let Some(strip) = strip {
@@ -468,23 +466,6 @@ fn insertion_rows(
     if slider.row(ui, &mut percent, (0.0, |_: &mut Ui| {})).is_changed {
         plan::set_insertion(scene, percent);
     }
-}
-
-/// Greatest width of the scale bar on the lower edge of the picture \[points\].
-const SCALE_BAR: f32 = 140.0;
-
-/// What to do first, on the lower edge of the picture.
-fn hint(ui: &mut Ui, area: Rect) {
-    let layout = egui::Layout::bottom_up(egui::Align::Max);
-    let inner = area.shrink(2.0 * theme::SPACE);
-    // To the right of the scale bar, above the word of a direction.
-    let inner = inner.with_min_x(inner.left() + SCALE_BAR);
-    let inner = inner.with_max_y(inner.bottom() - ui.text_style_height(&egui::TextStyle::Body));
-    let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
-    let words = tr("Change width, volume or pinch · drag the picture to turn it");
-    let words = RichText::new(words).color(ui.visuals().weak_text_color());
-    ui.new_child(builder)
-        .add(egui::Label::new(words).selectable(false).wrap().halign(egui::Align::Max));
 }
 
 /// A side panel of a given width. A width that follows the content would grow for good with a wide line or figure, and
