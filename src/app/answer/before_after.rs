@@ -121,6 +121,7 @@ mod tests {
         }
         assert_eq!(gain(&row(None, 1)), "");
     }
+
     #[test]
     fn a_table_has_the_plan_and_the_pins_on_its_chest() {
         let (mut session, measured) = (solved(), Measured::default());
