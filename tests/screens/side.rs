@@ -86,7 +86,7 @@ fn the_side_is_a_choice_of_the_first_screen() {
             assert!(harness.ctx.content_rect().contains_rect(chip.rect()), "{size}: {side}");
             chip.accesskit_node().toggled() == Some(Toggled::True)
         };
-        assert!(!["left", "right", "both"].iter().any(|side| is_chosen(&harness, side)));
+        assert!(!["left", "right", "both alike"].iter().any(|side| is_chosen(&harness, side)));
         press(&mut harness, "right");
         assert!(is_chosen(&harness, "right") && !is_chosen(&harness, "left"));
         assert!(harness.state().session().scene().is_right());
