@@ -228,7 +228,7 @@ impl Range {
             self.verdicts.list();
             list.show(ui, |ui| {
                 egui::Grid::new("shelf sizes").num_columns(6).spacing([14.0, 3.0]).show(ui, |ui| {
-                    for title in [tr("Name"), tr("Width"), tr("Projection"), tr("Volume")] {
+                    for title in [tr("Name"), tr("Width"), tr("Projection"), tr("Volume"), ""] {
                         ui.label(RichText::new(title).small().weak());
                     }
                     ui.label(RichText::new(tr("In this patient")).small().weak()).on_hover_text(tr(JUDGED));
@@ -252,12 +252,13 @@ impl Range {
                             Some(volume) => format!("{volume:.0} cc"),
                             None => format!("{:.0} ml", dome.volume_ml()),
                         });
-                        self.verdicts.cell(ui, index);
                         let remove = ui.small_button("×");
                         set_accessible_name(&remove, egui::Role::Button, &tr!("Remove {name}", name = size.label()));
                         if remove.clicked() {
                             removed = Some(index);
                         }
+                        // Its words come later: nothing stands to the right of them.
+                        self.verdicts.cell(ui, index);
                         ui.end_row();
                     }
                 });
