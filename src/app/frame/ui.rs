@@ -437,7 +437,8 @@ impl App {
             }
             self.screen.view_bar_height =
                 view_bar::show(ui, area, layout, &self.shared, &mut self.actions);
-            if has_shape && !self.edits.is_edited && layout == Layout::Wide {
+            let is_free = self.shared.options.has_free_edge() && layout == Layout::Wide;
+            if has_shape && !self.edits.is_edited && is_free {
                 messages::hint(ui, area);
             }
         }

@@ -63,6 +63,11 @@ impl Options {
         (self.quantity, self.section) = subject.parts();
     }
 
+    /// Is the lower edge of the picture free, without a legend or a second picture?
+    pub(crate) fn has_free_edge(&self) -> bool {
+        self.subject() == Some(Subject::Look) && self.before == Before::Off
+    }
+
     /// Is a torso drawn in place of the tissue?
     pub(crate) fn has_torso(&self) -> bool {
         self.torso && !self.section
