@@ -136,7 +136,13 @@ impl App {
     fn open_example(&mut self, scene: Scene) {
         self.replace(scene);
         self.shared.choices = plan::Choices::default();
-        self.shared.viewport.fit(&self.shared.session, View::All);
+        self.look_at_all();
+    }
+
+    /// The camera's first view.
+    fn look_at_all(&mut self) {
+        let Shared { viewport, session, options, .. } = &mut self.shared;
+        viewport.look(session, options, View::All);
     }
 
     /// Takes an offered plan.
@@ -183,7 +189,7 @@ impl App {
     ) -> Notice {
         match opened {
             Ok(()) => {
-                self.shared.viewport.fit(&self.shared.session, View::All);
+                self.look_at_all();
                 Notice::info(done)
             }
             Err(error) => Notice::error(tr!(

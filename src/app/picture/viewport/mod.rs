@@ -256,8 +256,8 @@ impl Viewport {
         self.area
     }
 
-    /// Moves the camera smoothly to a standard view of the whole body.
-    pub(crate) fn fit(&mut self, session: &Session, view: View) {
+    /// Moves the camera smoothly to a standard view of the tissue of the patch.
+    fn fit(&mut self, session: &Session, view: View) {
         let ball = self.ball_to_fit(session);
         self.camera.fit(ball, self.aspect, view);
         // A new aspect ratio restores the three-quarter view only.
