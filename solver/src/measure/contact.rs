@@ -1,6 +1,7 @@
 //! Contact between dome and sheet: pressure and contact edge.
 
 use super::Pressure;
+use super::contact_area::Contacted;
 use crate::mesh::NodeKind;
 use crate::mesh::part::Part;
 use crate::solve::Solution;
@@ -171,26 +172,23 @@ impl Contact {
 
     /// Sets the pressure at the nodes, its mean and its greatest value.
     ///
-    /// The pressure is smooth inside of the contact and jumps to zero at its edge. The area in contact around an edge
-    /// node is the node's force divided by the node's pressure. A contact without nodes inside has its mean pressure everywhere.
+    /// The pressure is smooth inside of the contact and jumps to zero at its edge. The mean is the force over the area in contact,
+    /// which changes without jumps: [`Contacted::total`]. A contact without nodes inside has its mean pressure everywhere.
     fn find_pressure(&mut self) {
         let touching: Vec<(usize, usize)> = self.touching().collect();
-        let (mut force, mut area, mut max) = (0.0, 0.0, 0.0_f64);
+        let (mut force, mut max) = (0.0, 0.0_f64);
         for &(k, node) in &touching {
-            let multiplicity = self.part.multiplicity(node);
-            force += multiplicity * self.force[k];
+            force += self.part.multiplicity(node) * self.force[k];
             let pressure = if self.inside[k] {
-                area += multiplicity * self.area[k];
                 self.pressure_inside(node)
             } else {
-                let at_edge = self.pressure_at_edge(node);
-                area += multiplicity
-                    * at_edge.map_or(self.area[k], |pressure| self.force[k] / pressure);
-                at_edge.unwrap_or(0.0)
+                self.pressure_at_edge(node).unwrap_or(0.0)
             };
             self.at_nodes[k] = pressure;
             max = max.max(pressure);
         }
+        let Self { part, nodes_per_side, .. } = *self;
+        let area = Contacted { part, nodes_per_side, force: &self.force, area: &self.area }.total();
         if area <= 0.0 {
             return;
         }
