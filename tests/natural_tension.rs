@@ -186,6 +186,7 @@ fn an_even_prestretch_agrees_with_the_axisymmetric_elements() {
                         wall: Wall { radius_mm: chest_mm },
                         mound: None,
                         natural_strain,
+                        growth: 0.0,
                     },
                     cells,
                 });

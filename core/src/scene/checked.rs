@@ -128,7 +128,7 @@ impl CheckedScene {
         }
         let (tissue, rest) = match body {
             None => (Tissue::Sheet, Rest::of_sheet(sheet)),
-            Some(_) => {
+            Some(body) => {
                 let solids = self.materials[1..].iter().rev();
                 let solids_mm: Vec<f64> = solids.map(|solid| solid.thickness_mm).collect();
                 let cells = solver.cells_through.unwrap_or_default();
@@ -143,7 +143,7 @@ impl CheckedScene {
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());
                 }
-                (Tissue::Layered, rest.stretched(self.natural))
+                (Tissue::Layered, rest.stretched(self.natural).growing(body.skin_state.grown))
             }
         };
         Problem {

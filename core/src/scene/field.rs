@@ -190,6 +190,8 @@ fields! {
         "", DEGREES, "";
     Relaxed: "skin_state.relaxed", Body[skin_state.relaxed], "relaxed tension of the skin", "", (0.05, 1.0), Tables;
         "", PLAIN, "";
+    Grown: "skin_state.grown", Body[skin_state.grown], "growth of the skin", "", (0.0, 1.0), Tables;
+        "", PLAIN, "";
     ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
         "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
     ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;
@@ -378,6 +380,7 @@ mod tests {
             anisotropy: 1.5,
             direction_deg: -30.0,
             relaxed: 0.6,
+            grown: 0.3,
         };
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);

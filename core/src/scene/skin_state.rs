@@ -25,11 +25,20 @@ pub struct SkinState {
     /// What is left of the tension above the natural one after relaxation \[-\], 0.05 to 1.
     #[serde(deserialize_with = "present")]
     pub relaxed: f64,
+    /// Fraction of the skin's logarithmic stretch by the implant that growth takes over \[-\], 0 to 1.
+    #[serde(deserialize_with = "present")]
+    pub grown: f64,
 }
 
 impl Default for SkinState {
     fn default() -> Self {
-        Self { natural_tension_n_per_m: 0.0, anisotropy: 1.0, direction_deg: 0.0, relaxed: 1.0 }
+        Self {
+            natural_tension_n_per_m: 0.0,
+            anisotropy: 1.0,
+            direction_deg: 0.0,
+            relaxed: 1.0,
+            grown: 0.0,
+        }
     }
 }
 

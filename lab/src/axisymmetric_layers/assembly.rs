@@ -46,7 +46,7 @@ impl Tissue {
         [columns, rows]: [usize; 2],
         patch_radius_mm: f64,
         (attachment, pocket_radius_mm): (Attachment, f64),
-        RestShape { wall, mound, natural_strain }: RestShape,
+        RestShape { wall, mound, natural_strain, .. }: RestShape,
     ) -> Self {
         let solids: Vec<&Material> = layers[1..].iter().rev().collect();
         let thickness: Vec<f64> = solids.iter().map(|solid| solid.thickness_mm).collect();
@@ -97,6 +97,17 @@ impl Tissue {
         };
         tissue.at_rest = tissue.skin_at_rest();
         tissue
+    }
+
+    /// Lets the skin grow by a part of its stretch at `x` \[-\]; the dead load stays. Returns the greatest change of a length \[-\].
+    pub(super) fn grow(&mut self, x: &[f64], growth: f64) -> f64 {
+        let mut greatest = 0.0_f64;
+        for column in 0..self.columns - 1 {
+            let numbers = self.ring_numbers(column, self.rows - 1);
+            let [rest, x] = [&self.rest, x].map(|of| numbers.map(|n| of[n]));
+            greatest = greatest.max(self.rings[column].grow(&rest, &x, growth));
+        }
+        greatest
     }
 
     fn skin_at_rest(&self) -> Vec<f64> {

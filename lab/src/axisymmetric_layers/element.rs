@@ -240,6 +240,8 @@ pub(super) struct SkinRing {
     length: f64,
     /// Area without stress \[mm²\] and the two shape functions / R \[1/mm\] at each point.
     points: [(f64, [f64; 2]); 2],
+    /// Stretches of the grown ring along the meridian, and around the axis at each point \[-\].
+    grown: (f64, [f64; 2]),
 }
 
 impl SkinRing {
@@ -253,7 +255,27 @@ impl SkinRing {
             let hoop = [0.5 * (1.0 - xi) / radius, 0.5 * (1.0 + xi) / radius];
             (2.0 * PI * radius * 0.5 * length, hoop)
         });
-        Self { length, points }
+        Self { length, points, grown: (1.0, [1.0; 2]) }
+    }
+
+    /// Lets the ring grow by a power of its stretch from `rest` to `x`; returns the greatest change of a length \[-\].
+    pub(super) fn grow(&mut self, rest: &[f64; 4], x: &[f64; 4], growth: f64) -> f64 {
+        let chord = |at: &[f64; 4]| (at[2] - at[0]).hypot(at[3] - at[1]);
+        let along = (chord(x) / chord(rest)).powf(growth);
+        let mut greatest = along / self.grown.0 - 1.0;
+        self.length *= along / self.grown.0;
+        for (point, around_before) in self.points.iter_mut().zip(&mut self.grown.1) {
+            let (area, hoop) = point;
+            let radius = |at: &[f64; 4]| hoop[0] * at[0] + hoop[1] * at[2];
+            let around = (radius(x) / radius(rest)).powf(growth);
+            let change = around / *around_before;
+            greatest = greatest.abs().max((change - 1.0).abs());
+            *area *= change * along / self.grown.0;
+            *hoop = hoop.map(|part| part / change);
+            *around_before = around;
+        }
+        self.grown.0 = along;
+        greatest
     }
 
     pub(super) fn energy(&self, skin: &Skin, x: &[f64; 4]) -> f64 {

@@ -5,6 +5,7 @@
 //!
 //! * the skin, first layer, is a membrane of the coupled law on the outer face, as a tension field if `skin_wrinkles`; every other layer is a solid, stacked
 //!   inwards, with the law of `law`; J is averaged over each cell (mean dilatation);
+//! * the skin may grow, by a power of its stretch along and around the axis: solves one after the other, without acceleration;
 //! * an elastic attachment ½∫ k(R)|u|² dA holds the inner face; k rises linearly from 0 at the pocket's radius;
 //! * the rim of the patch is clamped at every height;
 //! * the nodes of the inner face are in frictionless one-sided contact with dome and wall.
@@ -42,6 +43,11 @@ pub const PROFILE_POINTS: usize = 41;
 
 /// Greatest number of cells of a mesh.
 const MAX_CELLS: usize = 200_000;
+
+/// Greatest number of changes of the skin's growth, one after the other without any acceleration, and the change of a length at the
+/// end \[-\].
+const MOST_GROWTHS: usize = 500;
+const GROWN: f64 = 3e-5;
 
 /// Least number of cells along the radius of a mesh of the nested iteration.
 const COARSEST_COLUMNS: usize = 32;
@@ -166,7 +172,7 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
         nr /= 2;
         cells.insert(0, [nr, cells[0][1].div_ceil(2)]);
     }
-    let meshes: Vec<Tissue> = cells.into_iter().map(mesh).collect();
+    let mut meshes: Vec<Tissue> = cells.into_iter().map(mesh).collect();
     let section = Section {
         base_radius: input.base_radius_mm,
         projection: input.projection_mm,
@@ -174,9 +180,21 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
         base_height: (input.insertion - 1.0) * input.projection_mm,
         wall: input.rest.wall,
     };
-    let found = newton::equilibrium(&meshes, section)
+    let mut found = newton::equilibrium(&meshes, section)
         .map_err(|insertion| LayersError::NotFound { insertion })?;
-    Ok(measure(input, &meshes[meshes.len() - 1], &found))
+    let not_found = || LayersError::NotFound { insertion: input.insertion };
+    let mut tissue = meshes.pop().ok_or_else(not_found)?;
+    if input.rest.growth > 0.0 {
+        for _ in 0..MOST_GROWTHS {
+            let change = tissue.grow(&found.x, input.rest.growth);
+            found = newton::again(&tissue, found).ok_or_else(not_found)?;
+            if change < GROWN {
+                return Ok(measure(input, &tissue, &found));
+            }
+        }
+        return Err(not_found());
+    }
+    Ok(measure(input, &tissue, &found))
 }
 
 fn check(input: &Input) -> Result<(), LayersError> {

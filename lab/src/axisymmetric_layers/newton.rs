@@ -41,13 +41,14 @@ pub(super) struct Equilibrium {
     pub(super) x: Vec<f64>,
     /// Force of the dome along the axis \[N\].
     pub(super) contact_force_n: f64,
+    contact: Contact,
 }
 
 /// Computes the equilibrium on the last mesh by nested iteration from the first, coarsest one, on which the dome is
 /// raised. The error is the insertion reached.
 pub(super) fn equilibrium(meshes: &[Tissue], section: Section) -> Result<Equilibrium, f64> {
     let mut before: Option<(&Tissue, Vec<f64>)> = None;
-    let mut contact_force_n = 0.0;
+    let mut contact = None;
     for (number, tissue) in meshes.iter().enumerate() {
         let mut search = Search::new(tissue, section);
         let is_last = number + 1 == meshes.len();
@@ -65,11 +66,28 @@ pub(super) fn equilibrium(meshes: &[Tissue], section: Section) -> Result<Equilib
                 Ok(()) => {}
             }
         }
-        contact_force_n = search.contact.axial_force(inner(tissue, &search.x)) / 1000.0;
+        contact = Some(search.contact);
         before = Some((tissue, search.x));
     }
-    let x = before.map(|(_, x)| x).unwrap_or_default();
-    Ok(Equilibrium { x, contact_force_n })
+    let (Some((tissue, x)), Some(contact)) = (before, contact) else { return Err(0.0) };
+    Ok(Equilibrium::new(tissue, x, contact))
+}
+
+/// The equilibrium of a mesh whose skin has grown, from the one before.
+pub(super) fn again(tissue: &Tissue, before: Equilibrium) -> Option<Equilibrium> {
+    let Equilibrium { x, contact, .. } = before;
+    let section = contact.section;
+    let mut search = Search { x, contact, ..Search::new(tissue, section) };
+    search
+        .solve(FINE * section.base_radius)
+        .then(|| Equilibrium::new(tissue, search.x, search.contact))
+}
+
+impl Equilibrium {
+    fn new(tissue: &Tissue, x: Vec<f64>, contact: Contact) -> Self {
+        let contact_force_n = contact.axial_force(inner(tissue, &x)) / 1000.0;
+        Self { x, contact_force_n, contact }
+    }
 }
 
 /// Positions of the inner face's nodes \[mm\].

@@ -50,4 +50,6 @@ pub struct RestShape {
     pub mound: Option<Mound>,
     /// Strain of the skin at rest against skin without stress, the same in all directions \[-\]; a dead load holds it in balance.
     pub natural_strain: f64,
+    /// Fraction of the skin's logarithmic stretch by the dome that growth takes over \[-\].
+    pub growth: f64,
 }

@@ -63,6 +63,9 @@ pub struct Clinical {
     /// Has the skin of every patient a natural tension?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_tension: bool,
+    /// Has that skin grown by any part of its stretch?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_growth: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -78,6 +81,7 @@ impl Default for Clinical {
             has_chest: false,
             has_terrain: false,
             has_tension: false,
+            has_growth: false,
             nodes_per_side: 65,
             measures_errors: false,
         }
@@ -145,6 +149,9 @@ impl Clinical {
         }
         if self.has_tension {
             tension(rng, &mut scene);
+        }
+        if self.has_growth {
+            scene.body.skin_state.grown = uniform(rng, Field::Grown.limits);
         }
         scene
     }

@@ -78,7 +78,12 @@ fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<P
             },
             layers: materials.clone(),
             skin_wrinkles: true,
-            rest: RestShape { wall: Wall { radius_mm }, mound, natural_strain },
+            rest: RestShape {
+                wall: Wall { radius_mm },
+                mound,
+                natural_strain,
+                growth: problem.rest.growth(),
+            },
             cells,
         })
     };

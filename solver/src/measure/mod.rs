@@ -83,7 +83,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
     }
     if selection.wants_any(&OF_MEMBRANE) {
         let summary = solution.elastic_deformation().summary(STRAIN_BANDS, weight);
-        let added = problem.rest.natural().map(|_| solution.deformation().summary([], weight));
+        let added = problem.rest.has_own_skin().then(|| solution.deformation().summary([], weight));
         outcome.measure_shape(fields, &summary, added, pocket_area);
         outcome.skin_reserve_used = reserve_used(problem, outcome.strain.as_ref());
         if selection.wants_any(&["layers", "warnings"]) {

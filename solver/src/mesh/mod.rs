@@ -1,6 +1,6 @@
 //! Grids on the patch's disc.
 //!
-//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `height_field` (its heights in f64 and for four f32), `grid` (heights and thickness of a scan), `spline` (a function through samples) | `natural` (the stretch of the skin at rest) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue and its edge) |
+//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `height_field` (its heights in f64 and for four f32), `grid` (heights and thickness of a scan), `spline` (a function through samples) | `natural` (the stretch of the skin at rest), `grown` (the growth of its triangles) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `part` (the quarter or half that determines a symmetric shape) | `lanes`, `lane_field`, `vec3` (the same grid and vectors at its nodes for four f32 at a time).
 //!
 //! Uses `number`. Used by `contact`, `model`, `solve` and all to their right.
@@ -8,6 +8,7 @@
 mod chest;
 mod disc_grid;
 mod grid;
+mod grown;
 pub(crate) mod height_field;
 mod lane_field;
 pub(crate) mod lanes;
@@ -23,6 +24,7 @@ pub use chest::Chest;
 pub(crate) use disc_grid::coarser_nodes_per_side;
 pub use disc_grid::{CELL_TRIANGLES, CellKind, NodeKind, Sheet, rounded_nodes_per_side};
 pub use grid::{HeightGrid, ThicknessField};
+pub use grown::Grown;
 pub use natural::NaturalStretch;
 pub use patch::{Attachment, Edge, Patch};
 pub use rest::{Cells, Rest, Surface, balanced_cells};

@@ -3,7 +3,9 @@
 //! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height, or one times a
 //! factor that differs from place to place.
 
-use super::{Chest, NaturalStretch, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side};
+use super::{
+    Chest, Grown, NaturalStretch, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side,
+};
 use glam::{DMat2, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -37,6 +39,10 @@ pub struct Rest {
     columns: Arc<[(DVec3, DVec3)]>,
     /// Of the skin of layered tissue; `None`: the skin is without stress at rest.
     natural: Option<NaturalStretch>,
+    /// Fraction of the skin's logarithmic stretch by the implant that its growth takes over \[-\].
+    growth: f64,
+    /// What has grown of the skin; `None` before.
+    grown: Option<Grown>,
 }
 
 impl Rest {
@@ -70,6 +76,8 @@ impl Rest {
             thickness: None,
             columns: Arc::default(),
             natural: None,
+            growth: 0.0,
+            grown: None,
         }
     }
 
@@ -96,6 +104,34 @@ impl Rest {
     #[must_use]
     pub fn natural(&self) -> Option<&NaturalStretch> {
         self.natural.as_ref()
+    }
+
+    /// The same layers under skin that grows by a fraction, 0 to 1, of its logarithmic stretch under the implant; layered tissue only.
+    #[must_use]
+    pub fn growing(self, growth: f64) -> Self {
+        Self { growth, ..self }
+    }
+
+    /// Fraction of the skin's logarithmic stretch by the implant that growth takes over \[-\].
+    #[must_use]
+    pub fn growth(&self) -> f64 {
+        self.growth
+    }
+
+    /// The same layers under skin of which this has grown.
+    pub(crate) fn with_grown(self, grown: Option<Grown>) -> Self {
+        Self { grown, ..self }
+    }
+
+    /// What has grown of the skin in a solve; `None` before.
+    pub(crate) fn grown(&self) -> Option<&Grown> {
+        self.grown.as_ref()
+    }
+
+    /// Has the skin a shape without stress of its own: a natural stretch, or growth?
+    #[must_use]
+    pub fn has_own_skin(&self) -> bool {
+        self.natural.is_some() || self.growth > 0.0
     }
 
     /// Computes the columns that are not `known` by their node and its place. Those of nodes outside of the patch stand anywhere on
@@ -154,7 +190,7 @@ impl Rest {
         self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
             && self.cells == other.cells
             && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
-            && self.natural == other.natural
+            && (&self.natural, &self.grown) == (&other.natural, &other.grown)
     }
 
     /// Are all cells of a layer alike: even thickness over the plane z = 0?
@@ -194,7 +230,7 @@ impl Rest {
     /// A layer of nodes as a surface, whose triangles are those of the tissue at rest.
     #[must_use]
     pub fn surface(&self, layer: usize) -> Surface<'_> {
-        Surface { rest: self, layer, natural: None }
+        Surface { rest: self, layer, natural: None, grown: None }
     }
 
     /// The outermost layer of nodes, the sheet or the skin, as it is at rest.
@@ -206,7 +242,12 @@ impl Rest {
     /// The outermost layer of nodes as a membrane, whose triangles are those without stress.
     #[must_use]
     pub fn membrane(&self) -> Surface<'_> {
-        Surface { natural: self.natural(), ..self.outermost() }
+        Surface { grown: self.grown(), ..self.membrane_before_growth() }
+    }
+
+    /// [`Self::membrane`] before it has grown, whose forces at rest are the dead load.
+    pub(crate) fn membrane_before_growth(&self) -> Surface<'_> {
+        self.outermost().stretched(self.natural())
     }
 
     /// The layer of nodes on the outer face of each solid, from the inner face outwards.
@@ -231,7 +272,8 @@ impl Rest {
                 && fine.kinds()[on_fine] != NodeKind::Outside;
             self.columns.get(on_fine).copied().filter(|_| is_same)
         };
-        Self { sheet, columns: Arc::default(), ..self.clone() }.placed(known)
+        let grown = self.grown().map(|grown| grown.restricted(nodes_per_side));
+        Self { sheet, columns: Arc::default(), grown, ..self.clone() }.placed(known)
     }
 
     /// The same tissue on the next coarser grid, with half the cells a side; `None` below 17 nodes and where half the number of
@@ -248,6 +290,7 @@ pub struct Surface<'a> {
     rest: &'a Rest,
     layer: usize,
     natural: Option<&'a NaturalStretch>,
+    grown: Option<&'a Grown>,
 }
 
 impl<'a> Surface<'a> {
@@ -257,9 +300,19 @@ impl<'a> Surface<'a> {
         self.rest.sheet()
     }
 
-    /// Is the surface a plane under even thickness, without a natural stretch?
+    /// The surface of a membrane that is stretched at rest.
+    pub(crate) fn stretched(self, natural: Option<&'a NaturalStretch>) -> Self {
+        Self { natural, ..self }
+    }
+
+    /// The surface of a membrane that has grown.
+    pub(crate) fn grown(self, grown: Option<&'a Grown>) -> Self {
+        Self { grown, ..self }
+    }
+
+    /// Is the surface a plane under even thickness, without a natural stretch or growth?
     pub(crate) fn is_even(self) -> bool {
-        self.rest.is_even() && self.natural.is_none()
+        self.rest.is_even() && self.natural.is_none() && self.grown.is_none()
     }
 
     /// Is the cell with these corners a square of the grid at rest, whose triangles need no [`Self::triangle`]?
@@ -277,7 +330,9 @@ impl<'a> Surface<'a> {
     /// The rest metric of a triangle of nodes, all that a membrane knows of its rest shape: the corners of the triangle without
     /// stress, laid into the plane of the grid without strain and without a turn against the grid \[mm\].
     pub(crate) fn triangle(self, nodes: [usize; 3]) -> [DVec2; 3] {
-        let corners = self.triangle_at_rest(nodes);
+        let grow =
+            |grown: &Grown| self.triangle_at_rest(nodes).map(|corner| grown.grown(nodes, corner));
+        let corners = self.grown.map_or_else(|| self.triangle_at_rest(nodes), grow);
         let release = |natural: &NaturalStretch| corners.map(|corner| natural.released(corner));
         self.natural.map_or(corners, release)
     }

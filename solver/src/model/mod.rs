@@ -41,6 +41,9 @@ pub(crate) trait ElasticModel {
     ) {
     }
 
+    /// Fits the scratch to the present growth of the model, and to nothing else.
+    fn grow(&self, _layout: &Layout, _rest: Option<&Arc<Rest>>, _scratch: &mut Self::Scratch) {}
+
     /// Sets `f` to −∂E/∂u; entries of ghost and clamped nodes are unspecified.
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Self::Scratch);
 

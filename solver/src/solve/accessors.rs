@@ -159,7 +159,13 @@ impl Solver {
             return 0.0;
         }
         self.multigrid.as_ref().map_or(0.0, Multigrid::work_units)
-            + self.newton.as_ref().map_or(0.0, NewtonMethod::work_units)
+            + self.newton_work_before_growth
+            + self.newton_work()
+    }
+
+    /// Work of Newton's method since the skin grew last.
+    pub(super) fn newton_work(&self) -> f64 {
+        self.newton.as_ref().map_or(0.0, NewtonMethod::work_units)
     }
 
     /// V-cycles of the finest grid.

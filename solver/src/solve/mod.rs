@@ -7,13 +7,14 @@
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
-//! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions`.
+//! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves).
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
 mod accessors;
 mod discretisation;
 mod fas;
+mod growth;
 pub(crate) mod initial_guess;
 mod last_shape;
 pub(crate) mod linear;
@@ -55,6 +56,9 @@ pub struct Solver {
     stage: Stage,
     /// Attempts of this solve: multigrid with one set of constants after the other, Newton's method as the fallback.
     attempts: u32,
+    growths: growth::Growths,
+    /// Work of Newton's method before the skin grew \[see [`Report::work_units`]\].
+    newton_work_before_growth: f64,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
     /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
@@ -110,6 +114,8 @@ impl Solver {
             newton: None,
             stage: Stage::Newton,
             attempts: 1,
+            growths: growth::Growths::default(),
+            newton_work_before_growth: 0.0,
             displayed: Displayed::Previous,
             kept: None,
             revision: 0,
@@ -193,6 +199,8 @@ impl Solver {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
         self.attempts = 1;
+        self.growths = growth::Growths::default();
+        self.newton_work_before_growth = 0.0;
         self.invalid = None;
         self.displayed = Displayed::Previous;
         self.kept = None;
@@ -346,7 +354,7 @@ impl Solver {
                 } else if needs_newton {
                     self.end(Verdict::NotConverged);
                 } else {
-                    self.end(Verdict::Converged);
+                    self.grow_or_end();
                 }
             }
             fas::State::Failed => {
@@ -426,7 +434,7 @@ impl Solver {
                 self.invalid = Some(Invalid::Penetrated);
                 self.end(Verdict::Unstable);
             }
-            (newton::State::Converged, None) => self.end(Verdict::Converged),
+            (newton::State::Converged, None) => self.grow_or_end(),
             (newton::State::Converged | newton::State::Stalled, _) => {
                 self.end(Verdict::NotConverged);
             }

@@ -107,6 +107,13 @@ impl Multigrid {
         }
     }
 
+    /// Continues from the solution with skin that has grown.
+    pub(super) fn grow(&mut self, problem: &Problem, law: &Law, stop: Stop) {
+        if let (Self::Layered(scheme), Law::Layered(law)) = (self, law) {
+            scheme.grow(layered(problem, law), stop);
+        }
+    }
+
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         // An earlier solve may have ended in another attempt.
         match self {

@@ -4,9 +4,9 @@ use super::multigrid::Law;
 use super::problem::{Method, Problem};
 use super::reactions::{self, PartReactions, Reactions};
 use super::validity::Invalid;
-use crate::mesh::NodeKind;
 use crate::mesh::lanes::Mirrored;
 use crate::mesh::part::Part;
+use crate::mesh::{Grown, NodeKind};
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::exact::{CellState, Exact};
 use crate::model::membrane::assembly;
@@ -124,6 +124,9 @@ pub struct Record {
     /// Is the shape mirrored along x, along y, to the last bit? Then one half or quarter of it is measured.
     #[serde(default)]
     pub mirrored: [bool; 2],
+    /// What has grown of the skin, numbers of its triangles \[-\]; empty without growth.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub grown: Vec<f32>,
     /// Method, status, work and accuracy.
     pub report: Report,
 }
@@ -146,7 +149,7 @@ impl Solution {
 
     /// The solution of a record; `None` if the record has another number of nodes than the problem.
     #[must_use]
-    pub fn restore(problem: Problem, record: Record) -> Option<Self> {
+    pub fn restore(mut problem: Problem, record: Record) -> Option<Self> {
         let nodes = problem.sheet().len();
         let is_node = |&(k, _): &(usize, [f64; 3])| k < nodes;
         let law = Law::new(&problem);
@@ -157,6 +160,11 @@ impl Solution {
             || record.outer.iter().any(|layer| layer.len() != nodes)
         {
             return None;
+        }
+        if !record.grown.is_empty() {
+            let cells = problem.sheet().nodes_per_side() - 1;
+            let grown = Grown::of_numbers(cells, &record.grown)?;
+            problem.rest = problem.rest.with_grown(Some(grown));
         }
         let positions = |layer: Vec<[f64; 3]>| layer.into_iter().map(DVec3::from).collect();
         let shape = Shape {
@@ -176,6 +184,7 @@ impl Solution {
             offset_nodes: self.offset_nodes().iter().map(|(k, x)| (*k, x.to_array())).collect(),
             outer: self.shape.outer.iter().map(|layer| arrays(layer)).collect(),
             mirrored: self.shape.mirrored,
+            grown: self.problem.rest.grown().map(Grown::numbers).unwrap_or_default(),
             report: self.report.clone(),
         }
     }
@@ -254,10 +263,10 @@ impl Solution {
         self.deformation.get_or_init(|| Deformation::of_part(surface, self.membrane(), self.part()))
     }
 
-    /// The same against the membrane without stress, which determines its stress; [`Self::deformation`] without a natural tension.
+    /// The same against the membrane without stress, which determines its stress; [`Self::deformation`] without natural tension and growth.
     #[must_use]
     pub fn elastic_deformation(&self) -> &Deformation {
-        if self.problem.rest.natural().is_none() {
+        if !self.problem.rest.has_own_skin() {
             return self.deformation();
         }
         let surface = self.problem.rest.membrane();

@@ -52,6 +52,9 @@ pub(super) struct Arguments {
     /// Clinical population: the skin of every patient has a natural tension.
     #[arg(long, requires = "clinical")]
     skin_tension: bool,
+    /// Clinical population: the skin has grown by any part of its stretch under the implant, too.
+    #[arg(long, requires = "skin_tension")]
+    skin_growth: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -107,6 +110,7 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         has_chest: arguments.chest,
         has_terrain: arguments.terrain,
         has_tension: arguments.skin_tension,
+        has_growth: arguments.skin_growth,
         nodes_per_side: nodes,
         measures_errors: measure_errors,
     };

@@ -165,7 +165,8 @@ impl<'a> Exact<'a> {
         if rest.natural().is_some() {
             let x: Vec<DVec3> = rest.nodes(rest.layers() - 1).collect();
             at_rest.resize(x.len(), DVec3::ZERO);
-            assembly::forces(rest.membrane(), &law.skin, &x, &mut at_rest);
+            let skin = rest.membrane_before_growth();
+            assembly::forces(skin, &law.skin, &x, &mut at_rest);
         }
         Self { rest, law, pocket_radius, attachment, at_rest: at_rest.into() }
     }

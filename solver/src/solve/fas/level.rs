@@ -110,6 +110,13 @@ impl<M: ElasticModel> Level<M> {
         model.place(&self.layout, spacing, self.rest.as_ref(), &mut self.scratch);
     }
 
+    /// Fits the model to its growth, at the present displacements.
+    pub(super) fn grow(&mut self, model: &M) {
+        self.are_forces_current = false;
+        model.grow(&self.layout, self.rest.as_ref(), &mut self.scratch);
+        self.invert_blocks(model);
+    }
+
     /// Places the obstacle, given in spacings of this grid.
     pub(super) fn place(&mut self, obstacle: Obstacle) {
         self.are_forces_current = false;

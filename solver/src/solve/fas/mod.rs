@@ -96,6 +96,8 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     /// Scratch of a row.
     row: Vec<f32>,
     work_units: f64,
+    /// Before the model grew: cycles of the finest grid, and [`Self::change_by_refinement`].
+    before_growth: (u32, Option<f64>),
     /// The rest of the way of a rising dome, the last step first.
     ascent: Vec<Ascent>,
 }
@@ -155,6 +157,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             has_coarse_solution: false,
             row: vec![0.0; nodes_per_side + 8],
             work_units: 0.0,
+            before_growth: (0, None),
             ascent: Vec::new(),
             levels,
             model,
@@ -178,7 +181,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Cycles of the finest grid under the whole dome so far.
     pub(super) fn finest_cycles(&self) -> u32 {
-        if self.is_on_finest() && self.ascent.is_empty() { self.convergence.cycles } else { 0 }
+        let is_last = self.is_on_finest() && self.ascent.is_empty();
+        self.before_growth.0 + if is_last { self.convergence.cycles } else { 0 }
     }
 
     /// Free nodes of the finest grid that are solved for.
@@ -209,6 +213,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Greatest distance between the solutions of the two finest grids at a node of both, on the skin \[mm\]; `None` without a
     /// solution of both.
     pub(super) fn change_by_refinement(&self) -> Option<f64> {
+        if self.before_growth.1.is_some() {
+            return self.before_growth.1;
+        }
         if !(self.has_coarse_solution && self.is_on_finest()) {
             return None;
         }
@@ -234,7 +241,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Did the last attempt end near its solution, after all its cycles of the finest grid?
     pub(super) fn is_slow(&self) -> bool {
         let near = self.parameters.start_tolerance * self.reference_length;
-        self.finest_cycles() >= self.parameters.max_cycles && self.convergence.ending.error <= near
+        let is_last = self.is_on_finest() && self.ascent.is_empty();
+        is_last
+            && self.convergence.cycles >= self.parameters.max_cycles
+            && self.convergence.ending.error <= near
     }
 
     /// See [`Parameters::least_tolerance`].
@@ -268,6 +278,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.u.fill_zero();
         }
         self.work_units = 0.0;
+        self.before_growth = (0, None);
         self.has_coarse_solution = false;
         self.mode = Mode::Fast;
         let first = self.parameters.first_grid.min(finest);
@@ -294,6 +305,17 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.invert_blocks(&self.model);
         }
         self.begin_grid(first);
+    }
+
+    /// Continues from the solution with a model that has grown; the coarser grids are solved for no other.
+    pub(super) fn grow(&mut self, model: M, stop: Stop) {
+        self.before_growth = (self.finest_cycles(), self.change_by_refinement());
+        self.model = model;
+        self.stop = stop;
+        for level in &mut self.levels {
+            level.grow(&self.model);
+        }
+        self.begin_grid(self.grid);
     }
 
     /// Places the obstacle on every grid.

@@ -15,7 +15,7 @@ use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
 use crate::mesh::lanes::{Field, Layout, load, store};
 use crate::mesh::vec3::dot;
-use crate::mesh::{Attachment, Cells, NaturalStretch, Rest};
+use crate::mesh::{Attachment, Cells, Grown, NaturalStretch, Rest};
 use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
@@ -57,6 +57,8 @@ pub(crate) struct Layered {
     attachment: Option<Attachment>,
     /// The stretch of the skin at rest.
     natural: Option<NaturalStretch>,
+    /// What has grown of the skin, on the finest grid.
+    grown: Option<Grown>,
     /// The skin's stiffness \[kPa·mm\].
     stiffness: f64,
 }
@@ -94,6 +96,8 @@ pub(crate) struct Scratch {
     /// What the arrays above are computed for, and the tissue over a curved wall that skin and shapes are of.
     geometry: Option<Geometry>,
     rest: Option<Arc<Rest>>,
+    /// The growth on the finest grid that the skin has.
+    grown: Option<Grown>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,30 +128,40 @@ impl Layered {
             pocket_radius,
             attachment,
             natural: rest.natural().copied(),
+            grown: rest.grown().cloned(),
             stiffness,
         }
     }
 
-    /// The skin at rest on a grid, `rest` being `None` over a flat wall.
-    fn skin_at_rest(&self, layout: &Layout, rest: Option<&Rest>) -> SkinScratch {
-        let top = self.cells.len();
-        match rest {
-            Some(rest) => SkinScratch::new(layout, rest.membrane(), top),
-            None => {
-                SkinScratch::new(layout, layout.plane().stretched(self.natural).membrane(), top)
-            }
-        }
+    /// The skin at rest on a grid, `rest` being `None` over a flat wall, of which this has grown on the finest grid.
+    fn skin_at_rest(
+        &self,
+        layout: &Layout,
+        rest: Option<&Rest>,
+        grown: Option<&Grown>,
+    ) -> SkinScratch {
+        let grown = grown.map(|grown| grown.restricted(layout.nodes_per_side));
+        let skin = |rest: &Rest| {
+            let surface = rest.outermost().stretched(self.natural.as_ref()).grown(grown.as_ref());
+            SkinScratch::new(layout, surface, self.cells.len())
+        };
+        rest.map_or_else(|| skin(&layout.plane()), skin)
     }
 
     /// Sets the forces of the skin at rest.
-    fn load_at_rest(&self, layout: &Layout, scratch: &mut Scratch) {
+    fn load_at_rest(&self, layout: &Layout, rest: Option<&Arc<Rest>>, scratch: &mut Scratch) {
         scratch.at_rest = Field::default();
         if self.natural.is_none() {
             return;
         }
         let zero = Field::new(layout.len(), self.layers());
         let (mut forces, mut at_rest) = (zero.clone(), Field::new(layout.len(), 1));
-        self.skin.forces(layout, &zero, &mut forces, &mut scratch.skin);
+        if self.grown.is_some() {
+            let mut skin = self.skin_at_rest(layout, rest.map(Arc::as_ref), None);
+            self.skin.forces(layout, &zero, &mut forces, &mut skin);
+        } else {
+            self.skin.forces(layout, &zero, &mut forces, &mut scratch.skin);
+        }
         at_rest.copy_last_plane_from(&forces);
         scratch.at_rest = at_rest;
     }
@@ -191,7 +205,7 @@ impl ElasticModel for Layered {
 
     fn scratch(&self, layout: &Layout) -> Scratch {
         Scratch {
-            skin: self.skin_at_rest(layout, None),
+            skin: self.skin_at_rest(layout, None, None),
             at_rest: Field::default(),
             border: Border::new(layout),
             shapes: Shapes::default(),
@@ -203,6 +217,7 @@ impl ElasticModel for Layered {
             attachment: [0; 10].map(|_| vec![0.0; layout.len()]),
             geometry: None,
             rest: None,
+            grown: None,
         }
     }
 
@@ -238,11 +253,15 @@ impl ElasticModel for Layered {
         // A level has the same tissue as long as it fits.
         let is_same_rest = rest.map(Arc::as_ptr) == scratch.rest.as_ref().map(Arc::as_ptr);
         let is_same_stretch = scratch.geometry.is_none_or(|known| known.natural == self.natural);
-        if !(is_same_rest && is_same_stretch) {
-            scratch.skin = self.skin_at_rest(layout, rest.map(Arc::as_ref));
+        let is_same_growth = match (&self.grown, &scratch.grown) {
+            (Some(own), Some(known)) => own.is_same(known),
+            (own, known) => own.is_none() && known.is_none(),
+        };
+        if !(is_same_rest && is_same_stretch && is_same_growth) {
+            self.grow(layout, rest, scratch);
         }
         // The law may have changed.
-        self.load_at_rest(layout, scratch);
+        self.load_at_rest(layout, rest, scratch);
         if is_same_rest && scratch.geometry == Some(geometry) {
             return;
         }
@@ -277,6 +296,11 @@ impl ElasticModel for Layered {
                 }
             }
         }
+    }
+
+    fn grow(&self, layout: &Layout, rest: Option<&Arc<Rest>>, scratch: &mut Scratch) {
+        scratch.skin = self.skin_at_rest(layout, rest.map(Arc::as_ref), self.grown.as_ref());
+        scratch.grown.clone_from(&self.grown);
     }
 
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
