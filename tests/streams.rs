@@ -283,9 +283,9 @@ fn a_broken_pipe_ends_quietly() {
 fn a_scene_ends_at_its_limit_of_time() {
     let folder = folder();
     let mut scene = json!({ "id": 1, "implant": { "base_radius_mm": 50, "center_mm": [5, 3] } });
-    scene["solver"] = json!({ "nodes_per_side": 257 });
+    scene["solver"] = json!({ "nodes_per_side": 257, "cells_through": 8 });
     let text = format!("{scene}\n{}\n", with_id(sheet(1), json!(2)));
-    let output = run(&folder, &["simulate", "-", "--most-ms", "50", "--threads", "1"], &text);
+    let output = run(&folder, &["simulate", "-", "--most-ms", "500", "--threads", "1"], &text);
     assert_eq!(output.status.code(), Some(3));
     let found = lines(&output.stdout);
     assert_eq!(
@@ -293,8 +293,8 @@ fn a_scene_ends_at_its_limit_of_time() {
         (&json!("not_converged"), &json!("converged"))
     );
     let reason = found[0]["warnings"][0].as_str().unwrap();
-    assert_eq!(reason, "The computation ended at its limit of 50 ms.");
-    assert!(found[0]["solver"]["time_ms"].as_f64().unwrap() >= 50.0);
+    assert_eq!(reason, "The computation ended at its limit of 500 ms.");
+    assert!(found[0]["solver"]["time_ms"].as_f64().unwrap() >= 500.0);
     for bad in [&["--most-ms", "0"][..], &["--threads", "0"], &["--threads", "5000"]] {
         let output = run(&folder, &[&["simulate", "-"], bad].concat(), &text);
         assert!(output.status.code() == Some(2) && output.stdout.is_empty());
