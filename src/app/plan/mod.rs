@@ -34,7 +34,7 @@ pub(super) use patient::patient;
 pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
-pub(super) use shape::{is_anatomical, shape_in_words};
+pub(super) use shape::{is_anatomical, shape_in_words, usual_apex};
 pub(super) use side::side;
 pub(super) use visit::{
     entries_of_report, missing_for_file, patient_in_words, patient_number, set_fill_steps,

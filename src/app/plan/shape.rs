@@ -52,6 +52,11 @@ pub(crate) fn shape_in_words(scene: &Scene) -> String {
     }
 }
 
+/// The way of the apex of an anatomical implant whose maker lists its height alone \[mm\].
+pub(crate) fn usual_apex(height_mm: f64) -> f64 {
+    (SHIFT * height_mm).round()
+}
+
 /// Sets the size of the implant. The pocket keeps its margin around the implant.
 pub(super) fn set_size(scene: &mut Scene, size: Size) {
     let radius = 0.5 * size.base_width_mm();
@@ -90,7 +95,7 @@ pub(super) fn set_anatomical(scene: &mut Scene, choices: &Choices, is_wanted: bo
     let aspect = height / width;
     set_size(scene, size.with_base_height(height, follows).unwrap_or(size.with_aspect(aspect)));
     scene.implant.base_height_mm = is_wanted.then_some(height);
-    scene.implant.apex_shift_mm = if is_wanted { (SHIFT * height).round() } else { 0.0 };
+    scene.implant.apex_shift_mm = if is_wanted { usual_apex(height) } else { 0.0 };
 }
 
 /// Makes the implant half of an ellipsoid, as the shell of an expander is at every fill: width and volume stay, or the projection where none has

@@ -9,7 +9,7 @@ use crate::app::frame::commands::entry_of;
 use crate::app::frame::messages::Notice;
 use crate::app::frame::toolbar::Layout;
 use crate::app::plan::device::Device;
-use crate::app::plan::new_base;
+use crate::app::plan::{new_base, usual_apex};
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::{remark, set_accessible_name};
 use crate::clinical::{Draft, Shelf, ShelfSize};
@@ -156,7 +156,9 @@ pub(crate) fn with_size(scene: &Scene, size: &ShelfSize) -> Result<Scene, String
         (Parameter::of(Field::Projection), dome.projection_mm()),
     ];
     if !size.is_round() {
-        values.push((Parameter::of(Field::BaseHeight), dome.base_height_mm()));
+        let height = dome.base_height_mm();
+        values.push((Parameter::of(Field::BaseHeight), height));
+        values.push((Parameter::of(Field::ApexShift), usual_apex(height)));
     }
     if (dome.fullness() - HALF_ELLIPSOID).abs() > 1e-9 {
         scene.implant.fullness = Some(dome.fullness());

@@ -158,4 +158,15 @@ mod tests {
             ]
         );
     }
+
+    /// As the switch to an anatomical implant has it: no maker's implant of a height of its own has its apex in the middle.
+    #[test]
+    fn a_size_with_a_height_has_the_usual_apex_and_a_round_one_none() {
+        let shelf = "name;width_mm;height_mm;projection_mm\nSA;120;108;45\nSR;120;120;45";
+        let shelf = Shelf::from_csv(shelf).unwrap();
+        let of = |size: &ShelfSize| with_size(&Scene::opening(), size).unwrap().implant;
+        let implants: Vec<_> = shelf.sizes().iter().map(of).collect();
+        let found = implants.iter().map(|of| (of.base_height_mm, of.apex_shift_mm));
+        assert_eq!(found.collect::<Vec<_>>(), [(Some(108.0), 11.0), (None, 0.0)]);
+    }
 }
