@@ -115,6 +115,13 @@ fn at_rest_the_skin_has_its_natural_tension_and_nothing_is_added() {
         let strain = outcome.strain.unwrap();
         let added = strain.added.unwrap();
         assert!(added.max_principal.abs() < 1e-9 && added.mean_area.abs() < 1e-9, "{added:?}");
+        let (added, used) =
+            (outcome.skin_reserve_added.unwrap(), outcome.skin_reserve_used.unwrap());
+        assert!(added.abs() < 1e-9 && used > 0.05, "{added} {used}");
+        assert!(
+            outcome.layers[0].added_stress_kpa.unwrap().abs() < 1e-6
+                && outcome.layers[1].added_stress_kpa.is_none()
+        );
         assert!(strain.max_principal > 0.02 && strain.mean_area > 0.04, "{strain:?}");
         assert!((outcome.area_ratio.unwrap() - 1.0).abs() < 1e-9);
         assert_eq!(outcome.wrinkled, Some(0.0));

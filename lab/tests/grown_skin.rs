@@ -115,6 +115,14 @@ fn growth_takes_away_the_tension_of_the_skin() {
             let has_added = pair.iter().all(|of| of.strain.as_ref().unwrap().added.is_some());
             assert!(!has_added || area(&pair[1]) > area(&pair[0]));
         }
+        for of in &results[1..] {
+            // What is added is the total less that at rest, which is the natural tension alone.
+            let (skin, natural) = (&of.layers[0], tension / 1.5);
+            let net = skin.max_stress_kpa.unwrap() - natural;
+            assert!((skin.added_stress_kpa.unwrap() - net).abs() < 1e-6, "{net}");
+            let (added, used) = (of.skin_reserve_added.unwrap(), of.skin_reserve_used.unwrap());
+            assert!((added < used) == (tension > 0.0) && of.layers[1].added_stress_kpa.is_none());
+        }
         if tension <= 0.0 {
             let mut soft = scene(33, None, 0.0, 0.0);
             soft.layers[0].curve.stress_scale = 0.05;

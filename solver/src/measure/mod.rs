@@ -36,9 +36,11 @@ pub use selection::{Selected, Selection, UnknownField, Written};
 pub(crate) use surface::of_faces;
 pub use surface::{Surfaces, surfaces};
 
+use crate::mesh::NaturalStretch;
 use crate::model::membrane::deformation::Summary;
 use crate::solve::{Invalid, Method, Problem, Report, Solution, Tissue, Verdict};
 use crate::springs::Springs;
+use crate::springs::coupled::biot_stress;
 use crate::springs::solids::MAX_POISSON_RATIO;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -91,6 +93,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         }
         if problem.tissue == Tissue::Layered {
             outcome.measure_layers(solution, selection, patch_area);
+            outcome.measure_added(problem);
         }
         let wants_warnings = selection.wants("warnings");
         let shares = (wants_warnings || selection.wants("wrinkled"))
@@ -121,7 +124,7 @@ fn reserve_used(problem: &Problem, strain: Option<&Strains>) -> Option<f64> {
 }
 
 /// Fields that depend on the membrane's deformation.
-const OF_MEMBRANE: [&str; 16] = [
+const OF_MEMBRANE: [&str; 17] = [
     "apex_stretch",
     "skin_projection_mm",
     "area_after_cm2",
@@ -129,6 +132,7 @@ const OF_MEMBRANE: [&str; 16] = [
     "area_gain_cm2",
     "strain",
     "skin_reserve_used",
+    "skin_reserve_added",
     "layers",
     "profile_skin",
     "profile_y",
@@ -187,6 +191,7 @@ impl Outcome {
         let layer = |tissue: &String| LayerOutcome {
             tissue: tissue.clone(),
             max_stress_kpa: None,
+            added_stress_kpa: None,
             beyond_curve_data: false,
             thickness_mm: None,
             max_stretch: None,
@@ -215,6 +220,7 @@ impl Outcome {
             area_gain_cm2: None,
             strain: None,
             skin_reserve_used: None,
+            skin_reserve_added: None,
             layers: tissues.iter().map(layer).collect(),
             profile: Vec::new(),
             profile_skin: Vec::new(),
@@ -296,6 +302,21 @@ impl Outcome {
             layer.max_stress_kpa = Some(load.max_stress);
             layer.beyond_curve_data = load.is_beyond_data;
         }
+    }
+
+    /// Adds what the implant adds to the reserve and the stress of skin that has a state of its own.
+    fn measure_added(&mut self, problem: &Problem) {
+        if !problem.rest.has_own_skin() {
+            return;
+        }
+        let natural = problem.rest.natural().map_or([1.0; 2], NaturalStretch::stretches);
+        let strain = natural.map(|stretch| stretch - 1.0);
+        let (skin, greatest) = (&problem.materials[0], strain[0].max(strain[1]));
+        let used = self.skin_reserve_used.zip(problem.skin_knee());
+        self.skin_reserve_added = used.map(|(used, knee)| used - greatest / knee);
+        let [one, two] = biot_stress(&skin.curve, skin.poisson_ratio, strain);
+        let layer = &mut self.layers[0];
+        layer.added_stress_kpa = layer.max_stress_kpa.map(|stress| stress - one.max(two));
     }
 
     fn measure_contact(&mut self, fields: &Fields, selection: &Selection) {

@@ -64,6 +64,9 @@ pub struct Outcome {
     /// absent for a curve that does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin_reserve_used: Option<f64>,
+    /// With a natural tension or growth of the skin: what the implant adds to `skin_reserve_used`; otherwise absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skin_reserve_added: Option<f64>,
     /// One entry a layer, from the skin inwards.
     pub layers: Vec<LayerOutcome>,
     /// 41 points along +x from the pocket's centre, material radius 0 … pocket radius.
@@ -107,7 +110,7 @@ pub struct Pressure {
     pub max: f64,
 }
 
-/// Strains of the membrane over the pocket \[-\]; the greatest strain is that of the whole patch. With a natural tension against skin
+/// Strains of the membrane over the pocket \[-\]; the greatest strain is that of the whole patch. With a natural tension or growth against skin
 /// without stress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Strains {
@@ -117,7 +120,7 @@ pub struct Strains {
     pub mean_area: f64,
     /// Fraction of the membrane (by area at rest) whose greatest principal strain is above 0.25, 0.50, 0.54.
     pub fraction_above: BTreeMap<String, f64>,
-    /// With a natural tension: the strains that the implant adds, against the tissue at rest; otherwise absent.
+    /// With a natural tension or growth: the strains that the implant adds, against the tissue at rest; otherwise absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub added: Option<AddedStrains>,
 }
@@ -138,6 +141,9 @@ pub struct LayerOutcome {
     pub tissue: String,
     /// Greatest principal nominal (Biot) stress \[kPa\].
     pub max_stress_kpa: Option<f64>,
+    /// Of skin with a natural tension or growth: `max_stress_kpa` above the greatest stress at rest \[kPa\]; otherwise absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub added_stress_kpa: Option<f64>,
     /// Does a strain lie on the line beyond the curve's data?
     pub beyond_curve_data: bool,
     /// Layered tissue: least and greatest deformed thickness \[mm\].
