@@ -54,7 +54,7 @@ fn classes_of_the_skin_have_their_limits_and_strain_scales() {
         (40.1, SkinClass::VeryLax, "very lax", 1.7),
     ] {
         assert_eq!(SkinClass::of_pull(pull), Ok(class), "{pull}");
-        let derived = strain_scale_of_class(class);
+        let derived = strain_scale_of_class(class, 0.0).unwrap();
         assert_eq!((derived.value, derived.word), (scale, Some(word)));
         assert_eq!(derived.range(1.0), (scale / 2.0, scale * 2.0));
     }
@@ -63,7 +63,7 @@ fn classes_of_the_skin_have_their_limits_and_strain_scales() {
 #[test]
 fn a_pull_of_30_mm_gives_the_stated_strain_scales() {
     for (width, scale) in [(100.0, 1.15), (120.0, 0.71), (140.0, 0.47)] {
-        let derived = strain_scale_of_pull(30.0, width).unwrap();
+        let derived = strain_scale_of_pull(30.0, width, 0.0).unwrap();
         assert_eq!((100.0 * derived.value).round() / 100.0, scale, "base width {width}");
         assert_eq!(derived.word, Some("normal"));
         assert_close(derived.range(1.0).1, 2.0 * derived.value, 1e-12);
@@ -75,7 +75,7 @@ fn a_pull_of_30_mm_gives_the_stated_strain_scales() {
 fn at_a_base_width_of_120_mm_the_strain_scale_is_a_power_of_the_pull() {
     for pull in 15..=48 {
         let pull = f64::from(pull);
-        assert_close(pull_strain_scale(pull, 120.0), (pull / 35.0).powf(2.4), 0.04);
+        assert_close(pull_strain_scale(pull, 120.0, 0.0), (pull / 35.0).powf(2.4), 0.04);
     }
 }
 
@@ -83,10 +83,11 @@ fn at_a_base_width_of_120_mm_the_strain_scale_is_a_power_of_the_pull() {
 fn the_strain_scale_increases_with_the_pull_and_decreases_with_the_base_width() {
     for width in [60.0, 90.0, 120.0, 160.0, 240.0] {
         let scales: Vec<f64> =
-            (5..=80).map(|pull| pull_strain_scale(f64::from(pull), width)).collect();
+            (5..=80).map(|pull| pull_strain_scale(f64::from(pull), width, 0.0)).collect();
         assert!(scales.windows(2).all(|pair| pair[0] < pair[1]), "{width}");
         assert!(
-            pull_strain_scale(30.0, width) > pull_strain_scale(30.0, width + 0.1) || width >= 240.0
+            pull_strain_scale(30.0, width, 0.0) > pull_strain_scale(30.0, width + 0.1, 0.0)
+                || width >= 240.0
         );
     }
 }
@@ -105,7 +106,7 @@ fn measurements_out_of_range_are_rejected_in_one_line() {
     ] {
         assert_eq!(error(cover(pinch).map(|cover| cover.whole)), wanted);
     }
-    let pull = |pull, width| error(strain_scale_of_pull(pull, width));
+    let pull = |pull, width| error(strain_scale_of_pull(pull, width, 0.0));
     assert_eq!(pull(4.0, 120.0), "the pull of the skin is 4 mm; allowed: 5 to 80 mm");
     assert_eq!(pull(f64::INFINITY, 120.0), "the pull of the skin is inf mm; allowed: 5 to 80 mm");
     assert_eq!(pull(30.0, 12.0), "the base width is 12 mm; allowed: 60 to 240 mm");
@@ -113,7 +114,10 @@ fn measurements_out_of_range_are_rejected_in_one_line() {
         pull(10.0, 120.0),
         "skin pull 10 mm, base width 120 mm gives a strain scale of 0.0479; allowed: 0.05 to 20"
     );
-    assert!(pull_strain_scale(f64::NAN, 120.0).is_nan() && pull_strain_scale(30.0, 10.0).is_nan());
+    assert!(
+        pull_strain_scale(f64::NAN, 120.0, 0.0).is_nan()
+            && pull_strain_scale(30.0, 10.0, 0.0).is_nan()
+    );
 }
 
 #[test]
@@ -316,7 +320,7 @@ fn absent_fields_are_derived_from_the_patient_and_listed() {
     let scene =
         read(&with_patient(&json!({ "base_width_mm": 120, "pinch_mm": 30, "skin_pull_mm": 30 })));
     assert_eq!((scene.layers[0].thickness_mm, scene.layers[1].thickness_mm), (1.5, 13.5));
-    assert_eq!(scene.layers[0].curve.strain_scale, pull_strain_scale(30.0, 120.0));
+    assert_eq!(scene.layers[0].curve.strain_scale, pull_strain_scale(30.0, 120.0, 0.0));
     assert_eq!(scene.patient.as_ref().unwrap().derived, [SKIN, FAT, SCALE]);
     assert_eq!(origins(&scene), (vec![SKIN.into(), FAT.into(), SCALE.into()], vec![]));
     // What is written is read back to the last bit.

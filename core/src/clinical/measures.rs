@@ -183,38 +183,68 @@ impl SkinClass {
     }
 }
 
-/// Strain scale of the skin preset \[-\] of a class.
-#[must_use]
-pub fn strain_scale_of_class(class: SkinClass) -> Derived {
-    Derived {
-        measured: format!("skin class {}", class.word()),
-        value: class.strain_scale(),
+/// Base width for which the classes' strain scales of skin under a natural tension are derived \[mm\].
+const CLASS_WIDTH_MM: f64 = 120.0;
+
+/// Strain scale of the skin preset \[-\] of a class; of skin under a natural tension \[N/m\] times what the tension does to the scale of the
+/// class's pull.
+///
+/// # Errors
+/// A strain scale outside of 0.05–20.
+pub fn strain_scale_of_class(
+    class: SkinClass,
+    natural_tension_n_per_m: f64,
+) -> Result<Derived, ClinicalError> {
+    let measured = format!("skin class {}", class.word());
+    let scale = |tension| pull_strain_scale(class.pull_mm(), CLASS_WIDTH_MM, tension);
+    let value = match natural_tension_n_per_m {
+        tension if tension > 0.0 => class.strain_scale() * scale(tension) / scale(0.0),
+        _ => class.strain_scale(),
+    };
+    let value = within_scales(&measured, natural_tension_n_per_m, value)?;
+    Ok(Derived {
+        measured,
+        value,
         unit: "",
         uncertainty: Uncertainty::Factor(STRAIN_SCALE_FACTOR),
         word: Some(class.word()),
         source: CLASS_SOURCE,
-    }
+    })
 }
 
-/// Strain scale of the skin preset \[-\] from an anterior pull and the base width \[mm\]: [`pull_strain_scale`], within a
-/// factor 2 (1 standard deviation).
+/// A strain scale that may be.
+fn within_scales(measured: &str, tension: f64, value: f64) -> Result<f64, ClinicalError> {
+    if (SCALES.0..=SCALES.1).contains(&value) {
+        return Ok(value);
+    }
+    Err(ClinicalError::Derived {
+        given: if tension > 0.0 {
+            format!("{measured} of skin under {} N/m", number(tension))
+        } else {
+            measured.to_owned()
+        },
+        quantity: "strain scale",
+        value,
+        allowed: SCALES,
+        unit: "",
+    })
+}
+
+/// Strain scale of the skin preset \[-\] from an anterior pull and the base width \[mm\] of skin under a natural tension \[N/m\]:
+/// [`pull_strain_scale`], within a factor 2 (1 standard deviation).
 ///
 /// # Errors
 /// A pull outside of 5–80 mm, a base width outside of 60–240 mm, or a strain scale outside of 0.05–20.
-pub fn strain_scale_of_pull(pull_mm: f64, base_width_mm: f64) -> Result<Derived, ClinicalError> {
+pub fn strain_scale_of_pull(
+    pull_mm: f64,
+    base_width_mm: f64,
+    natural_tension_n_per_m: f64,
+) -> Result<Derived, ClinicalError> {
     let class = SkinClass::of_pull(pull_mm)?;
     let width = checked("base width", base_width_mm, limits::MEASURED_WIDTH_MM, " mm")?;
     let measured = format!("skin pull {} mm, base width {} mm", number(pull_mm), number(width));
-    let value = pull_strain_scale(pull_mm, width);
-    if !(SCALES.0..=SCALES.1).contains(&value) {
-        return Err(ClinicalError::Derived {
-            given: measured,
-            quantity: "strain scale",
-            value,
-            allowed: SCALES,
-            unit: "",
-        });
-    }
+    let value = pull_strain_scale(pull_mm, width, natural_tension_n_per_m);
+    let value = within_scales(&measured, natural_tension_n_per_m, value)?;
     Ok(Derived {
         measured,
         value,
@@ -285,18 +315,23 @@ impl Measurements {
         self.pinch_mm.map(cover).transpose()
     }
 
-    /// Strain scale of the skin from its pull or class, if there is one.
+    /// Strain scale of the skin from its pull or class, if there is one, under a natural tension \[N/m\].
     ///
     /// # Errors
     /// As of [`strain_scale_of_pull`] and [`Self::check`].
-    pub fn strain_scale(&self) -> Result<Option<Derived>, ClinicalError> {
+    pub fn strain_scale(
+        &self,
+        natural_tension_n_per_m: f64,
+    ) -> Result<Option<Derived>, ClinicalError> {
         match (self.skin_pull_mm, self.skin_class) {
             (Some(_), Some(_)) => Err(ClinicalError::PullAndClass),
             (Some(pull), None) => {
                 let width = self.base_width_mm.ok_or(ClinicalError::PullWithoutWidth)?;
-                strain_scale_of_pull(pull, width).map(Some)
+                strain_scale_of_pull(pull, width, natural_tension_n_per_m).map(Some)
             }
-            (None, class) => Ok(class.map(strain_scale_of_class)),
+            (None, class) => {
+                class.map(|class| strain_scale_of_class(class, natural_tension_n_per_m)).transpose()
+            }
         }
     }
 }

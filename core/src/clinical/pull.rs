@@ -5,11 +5,12 @@
 //!
 //! ```text
 //! vertical balance    T(r) = F L / (2π r d),   L = √((A−b)² + d²)      line tension [N/mm]
-//! length of a fibre   ∫_b^A (1 + ε(T(r))) dr = L
+//! length of a fibre   ∫_b^A (1 + ε(T(r)))/(1 + ε(T₀)) dr = L
 //! curve of the skin   T / h = preset(ε / s)
 //! ```
 //!
-//! With ε = s · preset⁻¹(T/h) the second equation is linear in s. Assumptions: b = 15 mm, F = 5 N, skin h = 1.5 mm. The
+//! T₀ is the natural tension of the skin, under which a fibre is A − b long. With ε = s · preset⁻¹(T/h) the second equation is linear in s. Without T₀
+//! the prestretch would count twice: in the scale and in the tension. Assumptions: b = 15 mm, F = 5 N, skin h = 1.5 mm. The
 //! force of a pull is unknown (2–10 N); no measured force was found.
 
 use super::{SKIN_THICKNESS_MM, limits};
@@ -25,12 +26,12 @@ pub const GRIP_FORCE_N: f64 = 5.0;
 /// kPa per N/mm².
 const KPA: f64 = 1000.0;
 
-/// Strain scale of the skin preset \[-\] for a pull and a base width \[mm\]; not a number outside of
-/// [`limits::PULL_MM`] and [`limits::MEASURED_WIDTH_MM`].
+/// Strain scale of the skin preset \[-\] for a pull and a base width \[mm\] of skin under a natural tension \[N/m\]; not a number outside of
+/// [`limits::PULL_MM`] and [`limits::MEASURED_WIDTH_MM`], infinite where the grip hardly pulls more than that tension.
 ///
-/// At a base width of 120 mm about (pull / 35 mm)^2.4, within 4 % from 15 to 45 mm.
+/// At a base width of 120 mm without a tension about (pull / 35 mm)^2.4, within 4 % from 15 to 45 mm.
 #[must_use]
-pub fn pull_strain_scale(pull_mm: f64, base_width_mm: f64) -> f64 {
+pub fn pull_strain_scale(pull_mm: f64, base_width_mm: f64, natural_tension_n_per_m: f64) -> f64 {
     let is_in = |value: f64, (least, most): (f64, f64)| (least..=most).contains(&value);
     if !(is_in(pull_mm, limits::PULL_MM) && is_in(base_width_mm, limits::MEASURED_WIDTH_MM)) {
         return f64::NAN;
@@ -41,7 +42,12 @@ pub fn pull_strain_scale(pull_mm: f64, base_width_mm: f64) -> f64 {
         KPA * GRIP_FORCE_N * length / (2.0 * PI * pull_mm * SKIN_THICKNESS_MM);
     let skin = Curve::new(&CurveSpec::Skin {});
     let strain = |radius: f64| inverse(&skin, stress_times_radius / radius);
-    (length - span) / simpson(strain, GRIP_RADIUS_MM, GRIP_RADIUS_MM + span)
+    let at_rest = match natural_tension_n_per_m {
+        tension if tension > 0.0 => inverse(&skin, tension / SKIN_THICKNESS_MM),
+        _ => 0.0,
+    };
+    let added = simpson(strain, GRIP_RADIUS_MM, GRIP_RADIUS_MM + span) - length * at_rest;
+    if added > 0.0 { (length - span) / added } else { f64::INFINITY }
 }
 
 /// The strain at a stress \[kPa\], by bisection.

@@ -145,18 +145,14 @@ impl PatientFile {
             for number in
                 scene.patient_fields().into_iter().filter(|number| listed.contains(number))
             {
-                let value = derivation(&measured, number).ok().flatten();
-                let (field, layer) = number;
-                let present = field.value(scene, layer);
                 // Another number in the file was set by hand.
-                if present.zip(value).is_some_and(|(present, value)| is_equal(present, value.value))
-                {
-                    paths.push(field.path(layer));
+                if scene.is_derivation(&measured, number) {
+                    paths.push(number.0.path(number.1));
                 }
             }
         } else {
             for number in scene.patient_fields().into_iter().filter(|n| !is_given(*n, given)) {
-                if let Some(value) = derivation(&measured, number)? {
+                if let Some(value) = scene.derivation(&measured, number)? {
                     set(scene, number, value.value);
                     paths.push(number.0.path(number.1));
                 }
@@ -197,7 +193,7 @@ impl Scene {
         let mut values = Vec::new();
         for number in self.patient_fields() {
             if !by_hand.contains(&number.0.path(number.1))
-                && let Some(value) = derivation(&measured, number)?
+                && let Some(value) = self.derivation(&measured, number)?
             {
                 values.push((number, value.value));
             }
@@ -224,9 +220,10 @@ impl Scene {
     pub fn patient_values(&self) -> Vec<PatientValue> {
         let Some(patient) = &self.patient else { return Vec::new() };
         let value = |(field, layer): Number| {
-            let derived = derivation(&patient.measured, (field, layer)).ok()??;
+            let derived = self.derivation(&patient.measured, (field, layer)).ok()??;
             let (path, value) = (field.path(layer), field.value(self, layer)?);
-            let is_derived = patient.derived.contains(&path) && is_equal(value, derived.value);
+            let is_derived = patient.derived.contains(&path)
+                && self.is_derivation(&patient.measured, (field, layer));
             Some(derived.beside(path, value, !is_derived))
         };
         self.patient_fields().into_iter().filter_map(value).collect()
@@ -240,7 +237,7 @@ impl Scene {
         let values = self.patient_values();
         let mut warnings: Vec<String> = values.iter().filter_map(inconsistency).collect();
         let fields = self.patient_fields();
-        let errors = fields.iter().filter_map(|field| derivation(measured, *field).err());
+        let errors = fields.iter().filter_map(|field| self.derivation(measured, *field).err());
         warnings.extend(errors.map(|error| format!("{error}.")));
         let has_fat = fields.iter().any(|(field, layer)| *field == Field::Thickness && *layer > 0);
         if measured.pinch_mm.is_some() && !has_fat {
@@ -285,18 +282,62 @@ impl Scene {
         let thicknesses = skin.into_iter().chain(fat).map(|layer| (Field::Thickness, layer));
         thicknesses.chain(strain_scale).collect()
     }
-}
 
-/// The value that the measurements give for a field.
-fn derivation(
-    measured: &Measurements,
-    (field, layer): Number,
-) -> Result<Option<Derived>, SceneError> {
-    let invalid = |name| move |source| error((name, source));
-    if field == Field::Thickness {
-        let cover = measured.cover().map_err(invalid("pinch_mm"))?;
-        Ok(cover.map(|cover| if layer == 0 { cover.skin } else { cover.fat }))
-    } else {
-        measured.strain_scale().map_err(invalid("skin_pull_mm"))
+    /// Is the number of a field what the measurements give? Of a strain scale also without a natural tension, under which plans keep theirs.
+    fn is_derivation(&self, measured: &Measurements, number: Number) -> bool {
+        let (field, layer) = number;
+        let under_none = || self.derivation_under(0.0, measured, number);
+        let is_present = |derived: Result<Option<Derived>, SceneError>| {
+            let present = field.value(self, layer);
+            present.zip(derived.ok().flatten()).is_some_and(|(a, b)| is_equal(a, b.value))
+        };
+        is_present(self.derivation(measured, number)) || is_present(under_none())
+    }
+
+    /// Sets the natural tension of the skin \[N/m\]; a strain scale that was derived from a pull or a class is derived again under it.
+    ///
+    /// # Errors
+    /// A pull or a class that gives no strain scale under the tension; the scene is unchanged.
+    pub fn set_natural_tension(&mut self, tension_n_per_m: f64) -> Result<(), SceneError> {
+        let mut changed = self.clone();
+        changed.body.skin_state.natural_tension_n_per_m = tension_n_per_m;
+        if let Some(patient) = &self.patient {
+            for (field, layer) in self.patient_fields() {
+                let path = field.path(layer);
+                let is_derived = patient.derived.contains(&path)
+                    && self.is_derivation(&patient.measured, (field, layer));
+                if is_derived
+                    && let Some(value) = changed.derivation(&patient.measured, (field, layer))?
+                {
+                    set(&mut changed, (field, layer), value.value);
+                }
+            }
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// The value that the measurements give for a field; a strain scale depends on the natural tension of the skin.
+    fn derivation(
+        &self,
+        measured: &Measurements,
+        number: Number,
+    ) -> Result<Option<Derived>, SceneError> {
+        self.derivation_under(self.body.skin_state.natural_tension_n_per_m, measured, number)
+    }
+
+    fn derivation_under(
+        &self,
+        natural_tension_n_per_m: f64,
+        measured: &Measurements,
+        (field, layer): Number,
+    ) -> Result<Option<Derived>, SceneError> {
+        let invalid = |name| move |source| error((name, source));
+        if field == Field::Thickness {
+            let cover = measured.cover().map_err(invalid("pinch_mm"))?;
+            Ok(cover.map(|cover| if layer == 0 { cover.skin } else { cover.fat }))
+        } else {
+            measured.strain_scale(natural_tension_n_per_m).map_err(invalid("skin_pull_mm"))
+        }
     }
 }
