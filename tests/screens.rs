@@ -24,6 +24,8 @@ use window::{flat_plan, window};
 mod anatomical;
 #[path = "screens/answer.rs"]
 mod answer;
+#[path = "screens/both_sides.rs"]
+mod both_sides;
 #[path = "screens/chest.rs"]
 mod chest;
 #[path = "screens/curve_editor.rs"]

@@ -7,7 +7,7 @@
 //!
 //! Not computed: [`NOT_COMPUTED`].
 
-use crate::deform::{deform, deform_marks, gained_ml};
+use crate::deform::{deform_marks, deform_sides, gained_ml};
 use crate::fit::{BodyFit, Settings, fit};
 use crate::frame::Frame;
 use crate::marks::{Marks, MarksError, Side};
@@ -16,19 +16,21 @@ use crate::mound::{Change, asymmetry_mm, change};
 use crate::surface::Surface;
 use glam::DVec3;
 use implant_preview_solver::solve::Solution;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// What the measures do not contain.
 pub const NOT_COMPUTED: &str = "Standing, right after the operation. Not computed: lengths under stretch, swelling, the shape after months.";
 
 /// A measure before and after.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// What is measured.
     pub name: &'static str,
     /// Unit of the values: cm, mm, ml or %.
     pub unit: &'static str,
     /// Number of decimals that the error leaves.
+    #[serde(skip)]
     pub decimals: usize,
     /// The value before; `None`: not measurable, or a gain alone.
     pub before: Option<f64>,
@@ -37,6 +39,7 @@ pub struct Row {
     /// What the operation adds.
     pub gain: Option<f64>,
     /// How the measure is taken, its error, and an anchor for it.
+    #[serde(skip)]
     pub about: &'static str,
 }
 
@@ -108,10 +111,10 @@ impl Before {
         })
     }
 
-    /// Surface and marks after: those of a solution in its place on the body.
+    /// Surface and marks after: those of the solutions of one or both sides in their places on the body.
     #[must_use]
-    pub fn after(&self, place: &Frame, solution: &Solution) -> (Surface, Marks) {
-        (deform(&self.surface, place, solution), deform_marks(&self.marks, place, solution))
+    pub fn after(&self, sides: &[(Frame, &Solution)]) -> (Surface, Marks) {
+        (deform_sides(&self.surface, sides), deform_marks(&self.marks, sides))
     }
 
     /// The measures before and after, with the same rows for every body; an implant's volume \[ml\] is a part of the gained one.
@@ -119,14 +122,29 @@ impl Before {
     /// # Panics
     /// If the surface after has another number of vertices.
     #[must_use]
-    pub fn rows(&self, (after, marks): (&Surface, &Marks), implant_ml: f64) -> Vec<Row> {
+    pub fn rows(&self, after: (&Surface, &Marks), implant_ml: f64) -> Vec<Row> {
+        self.rows_of_both(after, after, implant_ml)
+    }
+
+    /// As [`Self::rows`] where both sides have an implant: what lies over the bare chest is that of the own side's operation alone, as the patch reaches the
+    /// other breast; all else is that of both.
+    ///
+    /// # Panics
+    /// As [`Self::rows`].
+    #[must_use]
+    pub fn rows_of_both(
+        &self,
+        own: (&Surface, &Marks),
+        (after, marks): (&Surface, &Marks),
+        implant_ml: f64,
+    ) -> Vec<Row> {
         assert_eq!(after.positions.len(), self.surface.positions.len(), "vertices after");
-        let bodies = [(&*self.surface, &self.marks), (after, marks)];
+        let bodies = [(&*self.surface, &self.marks), own];
         let change = self.fit.as_ref().and_then(|fit| change(fit, bodies, self.side));
         let of_both = [self.measures, measures(after, marks, &self.frame)];
         let asymmetry_mm = [self.asymmetry_mm, asymmetry_mm(after, marks, &self.frame)];
         let mut rows = self.of_breast(&of_both).to_vec();
-        rows.extend(of_mound(change.as_ref(), gained_ml(&self.surface, after), implant_ml));
+        rows.extend(of_mound(change.as_ref(), gained_ml(&self.surface, own.0), implant_ml));
         rows.extend(of_sides(&of_both, asymmetry_mm));
         rows
     }

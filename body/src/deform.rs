@@ -26,25 +26,44 @@ const BELOW_WALL: f64 = 0.02;
 /// The surface after a solve. Vertices that the tissue does not move keep their bits: those outside of the patch, below the wall, and all at rest.
 #[must_use]
 pub fn deform(surface: &Surface, frame: &Frame, solution: &Solution) -> Surface {
-    let mut deformed = surface.clone();
-    let (columns, moves) = (Columns::new(solution.problem()), Moves::new(solution));
+    deform_sides(surface, &[(*frame, solution)])
+}
+
+/// The surface after the solves of both sides, each in its frame, as [`deform`]: a point that both move goes both ways.
+#[must_use]
+pub fn deform_sides(surface: &Surface, sides: &[(Frame, &Solution)]) -> Surface {
+    let (mut deformed, sides) = (surface.clone(), columns(sides));
     for position in &mut deformed.positions {
-        *position = moved(*position, frame, &columns, &moves).unwrap_or(*position);
+        *position = moved(*position, &sides);
     }
     deformed
 }
 
-/// Marks after a solve: material points, which move with the tissue.
+/// Marks after the solves of one or both sides: material points, which move with the tissue.
 #[must_use]
-pub fn deform_marks(marks: &Marks, frame: &Frame, solution: &Solution) -> Marks {
-    let (columns, moves) = (Columns::new(solution.problem()), Moves::new(solution));
-    marks.mapped(|point| moved(point, frame, &columns, &moves).unwrap_or(point))
+pub fn deform_marks(marks: &Marks, sides: &[(Frame, &Solution)]) -> Marks {
+    let sides = columns(sides);
+    marks.mapped(|point| moved(point, &sides))
 }
 
-/// A point after a solve \[mm\]; `None` where the tissue does not move.
-fn moved(point: DVec3, frame: &Frame, columns: &Columns, moves: &Moves) -> Option<DVec3> {
-    let by = moves.of(&columns.weights(frame.local(point))?);
-    (by != DVec3::ZERO).then(|| point + frame.direction(by))
+/// The columns of the sides and how they move.
+fn columns(sides: &[(Frame, &Solution)]) -> Vec<(Frame, Columns, Moves)> {
+    let of = |(frame, solution): &(Frame, &Solution)| {
+        (*frame, Columns::new(solution.problem()), Moves::new(solution))
+    };
+    sides.iter().map(of).collect()
+}
+
+/// A point after the solves of the sides \[mm\]; the same bits where no tissue moves.
+fn moved(point: DVec3, sides: &[(Frame, Columns, Moves)]) -> DVec3 {
+    let mut now = point;
+    for (frame, columns, moves) in sides {
+        let by = columns.weights(frame.local(point)).map_or(DVec3::ZERO, |at| moves.of(&at));
+        if by != DVec3::ZERO {
+            now += frame.direction(by);
+        }
+    }
+    now
 }
 
 /// Volume that a surface gains between two shapes of equal triangles whose borders are equal \[ml\]: over an implant that of the

@@ -24,8 +24,8 @@ pub use frame::stats::Stats;
 pub use frame::studies::{JobRunner, Wake};
 
 use crate::measure::Outcome;
-use crate::scene::{Scene, SceneError};
-use crate::session::{Command, CommandError, Record, Session};
+use crate::scene::{Scene, SceneError, Side};
+use crate::session::{Command, CommandError, OtherSide, Record, Session};
 use answer::compare::{Compare, Keep};
 use answer::filling::Filling;
 use answer::measured::Measured;
@@ -213,8 +213,20 @@ impl App {
     /// `None` during a solve.
     #[must_use]
     pub fn result_json(&self) -> Option<String> {
+        let Shared { session, measured, .. } = &self.shared;
+        let other = session.other_side();
+        let sides = [
+            (Some(session.scene()), measured.of_plan(session)),
+            (other.map(OtherSide::scene), measured.of_other_side(session)),
+        ];
+        let measures = sides.into_iter().filter_map(|(scene, rows)| {
+            let side = if scene?.is_right() { Side::Right } else { Side::Left };
+            Some((side.word(), rows?.to_vec()))
+        });
         let record = Record {
             outcome: self.outcome()?,
+            other_side: other.and_then(OtherSide::outcome).cloned(),
+            measures: measures.collect(),
             scene: self.shared.session.scene().without_visit(),
             program_version: env!("CARGO_PKG_VERSION"),
             date: frame::files::date(),

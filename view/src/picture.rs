@@ -7,7 +7,7 @@ use crate::quantity::{Colouring, Quantity};
 use crate::section::{CapTriangle, Section};
 use crate::strokes;
 use crate::subject::Subject;
-use crate::torso::{Attached, Torso};
+use crate::torso::{Attached, Shape, Torso};
 use implant_preview_core::contact::Dome;
 use implant_preview_core::measure::Fields;
 use implant_preview_core::mesh::Chest;
@@ -37,8 +37,10 @@ pub struct Picture {
     pub torso: Option<Arc<Mesh>>,
     /// What the torso was made of.
     torso_made: Option<(u64, Colouring)>,
-    /// The torso, and how it moves with the tissue.
-    attached: Option<(Rc<Torso>, Attached)>,
+    /// The shape of the other side that the torso was made of.
+    other_made: Option<Option<Rc<Fields>>>,
+    /// The torso, and how it moves with the tissue of its sides.
+    attached: Option<(Rc<Torso>, Vec<Attached>)>,
     /// Previous meshes of the torso, whose memory is reused.
     torsos_before: Vec<Arc<Mesh>>,
     /// Number of meshes made so far.
@@ -126,17 +128,36 @@ impl Picture {
             return;
         };
         let is_same = self.attached.as_ref().is_some_and(|(known, _)| Rc::ptr_eq(known, torso));
-        if is_same && made.is_some() && made == self.torso_made {
+        let other = subject.other_side();
+        let is_same_other = match (&self.other_made, other) {
+            (Some(Some(made)), Some(Some(other))) => Rc::ptr_eq(made, other),
+            (made, other) => {
+                made.as_ref().map(Option::is_some) == other.as_ref().map(Option::is_some)
+            }
+        };
+        if is_same && is_same_other && made.is_some() && made == self.torso_made {
             return;
         }
-        let problem = fields.solution().problem();
-        let known = self.attached.take().filter(|(_, known)| is_same && known.is_of(problem));
-        let new = || (Rc::clone(torso), torso.attached(problem));
-        let (_, attached) = &*self.attached.insert(known.unwrap_or_else(new));
+        let (_, mut known) = self.attached.take().filter(|_| is_same).unzip();
+        let known: &mut Vec<Attached> = known.get_or_insert_default();
+        let mut attach = |fields: &Fields, side| {
+            let problem = fields.solution().problem();
+            let found = known.iter().position(|known| known.is_of(problem, side));
+            found.map_or_else(|| torso.attached(problem, side), |k| known.swap_remove(k))
+        };
+        let mut attached = vec![attach(fields, other.map(|_| 0))];
+        let other = other.flatten();
+        attached.extend(other.map(|other| attach(other, Some(1))));
         let toward = subject.toward().map(|(to, part)| (&**to, part));
         let field = self.colouring_made.and_then(|colouring| colouring.quantity.field());
+        let toward = [toward, None];
+        let shapes = attached.iter().zip([Some(fields), other].into_iter().flatten()).zip(toward);
+        let shapes: Vec<Shape<'_>> =
+            shapes.map(|((attached, fields), toward)| Shape { attached, fields, toward }).collect();
         let room = take_unused(&mut self.torsos_before);
-        let mesh = Arc::new(torso.mesh(attached, fields, toward, field, room));
+        let mesh = Arc::new(torso.mesh(&shapes, field, room));
+        self.attached = Some((Rc::clone(torso), attached));
+        self.other_made = subject.other_side().map(Option::<&Rc<Fields>>::cloned);
         self.torsos_before.extend(self.torso.replace(mesh));
         self.torso_made = made;
     }

@@ -2,7 +2,7 @@
 
 use implant_preview_core::measure::Fields;
 use implant_preview_core::scene::Scene;
-use implant_preview_core::session::{Answer, Pin, Session};
+use implant_preview_core::session::{Answer, OtherSide, Pin, Session};
 use implant_preview_core::solve::{Displayed, Problem};
 use std::rc::Rc;
 
@@ -19,6 +19,10 @@ pub trait Subject {
     /// Another shape on the same grid and the part of the way to it \[-\], 0 to 1: the picture shows the shape in between.
     fn toward(&self) -> Option<(&Rc<Fields>, f32)> {
         None
+    }
+    /// The other side's plan, where it has one of its own: its shape, without which that side is drawn at rest. `None`: one plan for both sides.
+    fn other_side(&self) -> Option<Option<&Rc<Fields>>> {
+        self.scene().other_side.is_some().then_some(None)
     }
     /// Number that changes with the shape.
     fn revision(&self) -> u64;
@@ -47,6 +51,10 @@ impl Subject for Session {
 
     fn fields(&self) -> &Rc<Fields> {
         self.fields()
+    }
+
+    fn other_side(&self) -> Option<Option<&Rc<Fields>>> {
+        self.other_side().map(OtherSide::fields)
     }
 
     fn revision(&self) -> u64 {

@@ -2,7 +2,7 @@
 //! the model.
 //!
 //! The built-in torso's bare chest lies under the plan's wall at the pocket's centre. Each of its vertices within the patch moves as the computed skin
-//! over the same place of the plane; the other side is the mirror image. Each vertex of a fitted surface moves with the columns at its own
+//! over the same place of the plane; the other side is the mirror image, or has a plan of its own. Each vertex of a fitted surface moves with the columns at its own
 //! depth, as in [`implant_preview_core::body::deform`].
 
 use crate::camera::{Ball, Ray};
@@ -78,6 +78,8 @@ struct Point {
 #[derive(Debug)]
 pub struct Attached {
     rest: Rest,
+    /// The side whose vertices these are; `None`: one tissue for all sides.
+    of_side: Option<usize>,
     /// Vertices that move.
     moved: Vec<Moved>,
     /// Vertices whose normals change, and the triangles around them.
@@ -129,21 +131,24 @@ impl Torso {
         Some(torso)
     }
 
-    /// A surface with its fitted frame and its marks.
+    /// A surface with its fitted frame, that of the other side where it has a plan of its own, and its marks.
     #[must_use]
-    pub fn of_body(surface: &Surface, fitted: &Frame, marks: &Marks) -> Option<Self> {
+    pub fn of_body(surface: &Surface, frames: &[Frame], marks: &Marks) -> Option<Self> {
+        let fitted = frames.first()?;
         let axes = marks.axes().ok()?;
         let frame = upright(fitted, axes.head);
         let nipples = Some(&marks.nipples).filter(|_| surface.colors.is_none());
         let mut torso = Self::of_surface(surface, frame, axes.front, nipples);
-        let of = |(k, at): (usize, &DVec3)| Point {
-            vertex: k as u32,
-            side: 0,
-            place: fitted.local(*at),
-            share: 1.0,
-        };
-        torso.points = surface.positions.iter().enumerate().map(of).collect();
-        torso.turns = vec![frame.axes.transpose() * fitted.axes];
+        for (side, fitted) in frames.iter().enumerate() {
+            let of = |(k, at): (usize, &DVec3)| Point {
+                vertex: k as u32,
+                side,
+                place: fitted.local(*at),
+                share: 1.0,
+            };
+            torso.points.extend(surface.positions.iter().enumerate().map(of));
+            torso.turns.push(frame.axes.transpose() * fitted.axes);
+        }
         let [notch, navel] = [marks.sternal_notch, marks.navel].map(|at| frame.local(at).as_vec3());
         // The trunk of a whole body.
         torso.radius_mm = torso.radius_mm.min(SHOWN_OF_TRUNK * notch.distance(navel));
@@ -217,9 +222,11 @@ impl Torso {
         Some(ray.origin + ray.direction * nearest)
     }
 
-    /// How the body moves with the tissue of a problem.
+    /// How the body moves with the tissue of a problem: that of a side (0: the plan's, 1: the other one), or of the plan alone, whose mirror image moves the
+    /// other side of the built-in torso.
     #[must_use]
-    pub fn attached(&self, problem: &Problem) -> Attached {
+    pub fn attached(&self, problem: &Problem, of_side: Option<usize>) -> Attached {
+        let only = if self.is_skin { of_side } else { of_side.or(Some(0)) };
         let columns = Columns::new(problem);
         let border = problem.sheet().radius_mm();
         let of = |point: &Point| {
@@ -234,7 +241,8 @@ impl Torso {
             let part = share * on_skin * smooth_step((border - over.length()) / FADE_MM);
             Some(Moved { vertex, side, weights, share, part: part as f32 })
         };
-        let moved: Vec<Moved> = self.points.iter().filter_map(of).collect();
+        let own = self.points.iter().filter(|point| only.is_none_or(|side| point.side == side));
+        let moved: Vec<Moved> = own.filter_map(of).collect();
         let mut is_turned = vec![false; self.before.vertices.len()];
         moved.iter().for_each(|moved| is_turned[moved.vertex as usize] = true);
         let touches = |triangle: &&[u32; 3], is: &[bool]| triangle.iter().any(|k| is[*k as usize]);
@@ -245,7 +253,7 @@ impl Torso {
         let around = triangles.iter().filter(|t| touches(t, &is_turned)).copied().collect();
         let turned =
             (0..self.before.vertices.len() as u32).filter(|k| is_turned[*k as usize]).collect();
-        Attached { rest: problem.rest.clone(), moved, turned, around }
+        Attached { rest: problem.rest.clone(), of_side, moved, turned, around }
     }
 
     /// The body before.
@@ -254,27 +262,32 @@ impl Torso {
         &self.before
     }
 
-    /// The body with the skin of a shape, or with a part of the way to another shape \[-\], in the colours of a field, in the place of other
-    /// vertices.
+    /// The body with the skin of the shapes of one or both sides, in the colours of a field, in the place of other vertices.
     #[must_use]
-    pub fn mesh(
-        &self,
-        attached: &Attached,
-        fields: &Fields,
-        toward: Option<(&Fields, f32)>,
-        field: Option<Field>,
-        mut room: Vec<Vertex>,
-    ) -> Mesh {
+    pub fn mesh(&self, shapes: &[Shape<'_>], field: Option<Field>, mut room: Vec<Vertex>) -> Mesh {
         room.clone_from(&self.before.vertices);
         let vertices = &mut room;
+        if field.is_some() {
+            vertices.iter_mut().for_each(|vertex| vertex[8] = 0.0);
+        }
+        for shape in shapes {
+            self.move_with(shape, field, vertices);
+        }
+        for Shape { attached, .. } in shapes {
+            let turned = attached.turned.iter().map(|k| *k as usize);
+            set_normals(vertices, &attached.around, turned);
+        }
+        Mesh { vertices: room, indices: Arc::clone(&self.before.indices) }
+    }
+
+    /// Moves and colours the vertices of a side.
+    fn move_with(&self, shape: &Shape<'_>, field: Option<Field>, vertices: &mut [Vertex]) {
+        let Shape { attached, fields, toward } = *shape;
         let moves = Moves::new(fields.solution());
         let moves = match toward {
             Some((to, part)) => moves.toward(&Moves::new(to.solution()), part.into()),
             None => moves,
         };
-        if field.is_some() {
-            vertices.iter_mut().for_each(|vertex| vertex[8] = 0.0);
-        }
         for moved in &attached.moved {
             let by = moved.share * (self.turns[moved.side] * moves.of(&moved.weights));
             // A vertex of both sides moves with both.
@@ -294,16 +307,25 @@ impl Torso {
                 (own[7], own[8]) = (NO_NET - moved.part, value);
             }
         }
-        set_normals(vertices, &attached.around, attached.turned.iter().map(|k| *k as usize));
-        Mesh { vertices: room, indices: Arc::clone(&self.before.indices) }
     }
 }
 
+/// The shape of a side, or a part of the way to another shape \[-\].
+#[derive(Clone, Copy, Debug)]
+pub struct Shape<'a> {
+    /// How the body moves with the side's tissue.
+    pub attached: &'a Attached,
+    /// The shape.
+    pub fields: &'a Fields,
+    /// The other shape, and the part.
+    pub toward: Option<(&'a Fields, f32)>,
+}
+
 impl Attached {
-    /// Is this how a body moves with the tissue of a problem, too?
+    /// Is this how a body moves with the tissue of a problem on a side, too?
     #[must_use]
-    pub fn is_of(&self, problem: &Problem) -> bool {
-        self.rest == problem.rest
+    pub fn is_of(&self, problem: &Problem, of_side: Option<usize>) -> bool {
+        self.of_side == of_side && self.rest == problem.rest
     }
 }
 
@@ -355,9 +377,12 @@ mod tests {
     }
 
     fn positions(torso: &Torso, fields: &Fields) -> Vec<Vec3> {
-        let attached = torso.attached(fields.solution().problem());
-        let mesh = torso.mesh(&attached, fields, None, None, Vec::new());
-        mesh.vertices.iter().map(position).collect()
+        drawn(torso, fields).vertices.iter().map(position).collect()
+    }
+
+    fn drawn(torso: &Torso, fields: &Fields) -> Mesh {
+        let attached = &torso.attached(fields.solution().problem(), None);
+        torso.mesh(&[Shape { attached, fields, toward: None }], None, Vec::new())
     }
 
     #[test]
@@ -386,8 +411,7 @@ mod tests {
     fn the_skin_passes_the_border_of_the_patch_without_a_seam() {
         let torso = Torso::new().unwrap();
         let full = fields(1.0);
-        let attached = torso.attached(full.solution().problem());
-        let full = torso.mesh(&attached, &full, None, None, Vec::new());
+        let full = drawn(&torso, &full);
         let normal = |v: &Vertex| Vec3::new(v[3], v[4], v[5]);
         let of = |side| torso.points.iter().filter(move |point| point.side == side);
         let other: HashSet<u32> = of(1).map(|point| point.vertex).collect();
@@ -415,21 +439,20 @@ mod tests {
             let scene =
                 Scene::of_body(&fitted, (&marks, side), settings.cover_mm, Unit::Mm).unwrap();
             let full = solved(scene, 1.0);
-            let torso = Torso::of_body(&surface, &fitted.frame, &marks).unwrap();
+            let torso = Torso::of_body(&surface, &[fitted.frame], &marks).unwrap();
             let after = deform(&surface, &fitted.frame, full.solution());
-            let drawn = positions(&torso, &full);
+            let now = positions(&torso, &full);
             let (mut apart, mut risen) = (0.0_f32, 0.0_f32);
             for (k, (at, before)) in after.positions.iter().zip(&surface.positions).enumerate() {
-                apart = apart.max(drawn[k].distance(torso.frame.local(*at).as_vec3()));
+                apart = apart.max(now[k].distance(torso.frame.local(*at).as_vec3()));
                 risen = risen.max(at.distance(*before) as f32);
                 if at == before {
-                    assert_eq!(drawn[k], position(&torso.before.vertices[k]), "to the last bit");
+                    assert_eq!(now[k], position(&torso.before.vertices[k]), "to the last bit");
                 }
             }
             assert!(apart < 1e-3 && risen > 15.0, "{apart} {risen}");
             // The normals are those of all triangles.
-            let attached = torso.attached(full.solution().problem());
-            let mesh = torso.mesh(&attached, &full, None, None, Vec::new());
+            let mesh = drawn(&torso, &full);
             let mut all = mesh.vertices.clone();
             let count = all.len();
             set_normals(&mut all, mesh.indices.as_chunks::<3>().0, 0..count);
@@ -444,5 +467,54 @@ mod tests {
             let found = torso.picked(&ray).expect("the body is in front of the eye");
             assert!(found.distance(ray.origin) < 900.0, "{found}");
         }
+    }
+    /// Plans of their own: each side moves as its plan alone, on the built-in torso and on her own body.
+    #[test]
+    fn each_side_moves_with_its_own_plan() {
+        let [small, large] = [0.4, 1.0].map(fields);
+        let torso = Torso::new().unwrap();
+        let of = |torso: &Torso, shapes: [(&Fields, Option<usize>); 2]| {
+            let attached = shapes.map(|(of, side)| torso.attached(of.solution().problem(), side));
+            let shape =
+                |k: usize| Shape { attached: &attached[k], fields: shapes[k].0, toward: None };
+            torso.mesh(&[shape(0), shape(1)], None, Vec::new())
+        };
+        let both = of(&torso, [(&small, Some(0)), (&large, Some(1))]);
+        let alike = [&small, &large].map(|fields| drawn(&torso, fields));
+        for side in [0, 1] {
+            // Away from the other side's patch.
+            let is_own = |k: &u32| torso.points.iter().all(|p| p.vertex != *k || p.side == side);
+            let own: Vec<u32> = torso.points.iter().map(|p| p.vertex).filter(is_own).collect();
+            assert!(own.len() > 500, "{}", own.len());
+            for k in own {
+                let [a, b] = [&both, &alike[side]].map(|mesh| position(&mesh.vertices[k as usize]));
+                assert!(a.distance(b) < 1e-4, "{side} {a} {b}");
+            }
+        }
+        // Of her own body a plan of one side moves that side alone.
+        let torso::Torso { surface, marks } = torso::builtin();
+        let settings = Settings::default();
+        let fits =
+            [Side::Left, Side::Right].map(|side| fit(&surface, &marks, side, &settings).unwrap());
+        let frames = fits.each_ref().map(|fit| fit.frame);
+        let hers = |k: usize, insertion| {
+            let of = (&marks, [Side::Left, Side::Right][k]);
+            solved(Scene::of_body(&fits[k], of, settings.cover_mm, Unit::Mm).unwrap(), insertion)
+        };
+        let (large, small) = (hers(0, 1.0), hers(1, 0.4));
+        let hers = Torso::of_body(&surface, &frames, &marks).unwrap();
+        let one = positions(&hers, &large);
+        let both = of(&hers, [(&large, Some(0)), (&small, Some(1))]);
+        let nipples = marks.nipples.map(|at| hers.frame.local(at).as_vec3());
+        let rise = |at: &[Vec3], nipple: Vec3| {
+            let near = hers.before.vertices.iter().map(position).zip(at);
+            near.filter(|(before, _)| before.distance(nipple) < 20.0)
+                .map(|(before, at)| before.distance(*at))
+                .fold(0.0, f32::max)
+        };
+        let both: Vec<Vec3> = both.vertices.iter().map(position).collect();
+        let [left, right] = nipples.map(|nipple| [rise(&one, nipple), rise(&both, nipple)]);
+        assert!(left[0] > 12.0 && (left[0] - left[1]).abs() < 1.0, "{left:?}");
+        assert!(right[0] < 1.0 && (3.0..0.8 * left[1]).contains(&right[1]), "{right:?}");
     }
 }

@@ -48,6 +48,9 @@ pub enum SceneError {
         /// The error of its scene.
         source: Box<SceneError>,
     },
+    /// The plan of the other side is invalid.
+    #[error("other_side.{0}")]
+    OtherSide(Box<SceneError>),
     /// A curve in a file of its own is invalid.
     #[error("{}{}", .0, way(.0))]
     CurveFile(CurveError),

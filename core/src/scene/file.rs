@@ -14,6 +14,7 @@ use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, Value};
 use std::borrow::Cow;
 
 /// A scene: one implant in one pocket under a stack of tissue layers.
@@ -57,6 +58,9 @@ pub struct Scene {
     /// The place on a body's surface, in a file `body`; no result depends on it.
     #[serde(rename = "body", skip_serializing_if = "Option::is_none")]
     pub placement: Option<Box<Placement>>,
+    /// The plan of the other side; `None`: both sides have this one. In a file what differs from this scene.
+    #[serde(skip)]
+    pub other_side: Option<Box<Scene>>,
     /// The spring law.
     pub springs: Springs,
     /// Grid and tolerance.
@@ -81,6 +85,7 @@ impl Default for Scene {
             side: None,
             visit: None,
             placement: None,
+            other_side: None,
             springs: Springs::default(),
             solver: SolverSettings::default(),
         }
@@ -88,7 +93,7 @@ impl Default for Scene {
 }
 
 impl Serialize for Scene {
-    /// Writes the schema, the implant with its reference, then the other members in their order.
+    /// Writes the schema, the implant with its reference, the other members in their order, then the other side.
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct Written<'a> {
@@ -96,10 +101,13 @@ impl Serialize for Scene {
             implant: Named<'a>,
             #[serde(flatten, serialize_with = "Scene::serialize")]
             others: &'a Scene,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            other_side: Option<Map<String, Value>>,
         }
         let implant =
             Named { implant: self.implant.in_few_words(), reference: &self.implant_reference };
-        Written { schema: SCENE_SCHEMA, implant, others: self }.serialize(to)
+        let other_side = self.other_side_written();
+        Written { schema: SCENE_SCHEMA, implant, others: self, other_side }.serialize(to)
     }
 }
 
@@ -168,6 +176,10 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "given_object")]
     #[schemars(with = "Placement")]
     pub(super) body: Option<Placement>,
+    /// The plan of the other side where it differs: a scene without `side`, `visit` and `pins`, whose other missing fields are those of this scene.
+    #[serde(default, deserialize_with = "pins::boxed_or_none")]
+    #[schemars(with = "SceneFile")]
+    pub(super) other_side: Option<Box<SceneFile>>,
     #[serde(default, deserialize_with = "present")]
     pub(super) springs: Springs,
     #[serde(default, deserialize_with = "present_object")]
@@ -251,24 +263,45 @@ impl SceneFile {
     pub(super) fn filled(self) -> Result<Scene, SceneError> {
         let mut file = self;
         file.take_pins()?;
+        let other_side = file.other_side.take();
+        let mut scene = file.filled_beside(None)?;
+        if let Some(other_side) = other_side {
+            scene.read_other_side(*other_side)?;
+        }
+        Ok(scene)
+    }
+
+    /// Fills omitted fields: those of a side with the numbers `beside` it, else with defaults.
+    pub(super) fn filled_beside(self, beside: Option<&Scene>) -> Result<Scene, SceneError> {
+        let file = self;
         let implant = file.implant.shape()?;
-        let pocket_radius_mm = file.pocket_radius_mm.unwrap_or_else(|| {
+        let pocket_radius_mm = file.pocket_radius_mm.or(beside.map(|it| it.pocket_radius_mm));
+        let pocket_radius_mm = pocket_radius_mm.unwrap_or_else(|| {
             (implant.least_pocket_mm() + 15.0).min(limits::POCKET_RADIUS_MAX_MM)
         });
         let default = Body::around(pocket_radius_mm, file.tissue_model.unwrap_or_default());
+        let patch_radius_mm = file.patch_radius_mm.or(beside.map(|it| it.body.patch_radius_mm));
         let body = Body {
-            patch_radius_mm: file.patch_radius_mm.unwrap_or(default.patch_radius_mm),
+            patch_radius_mm: patch_radius_mm.unwrap_or(default.patch_radius_mm),
             attachment: file.attachment.unwrap_or_default(),
             skin_state: file.skin_state.unwrap_or_default(),
             ..default
         };
         // For each layer of the file the fields that a patient may fill.
         let given = file.layers.iter().flatten().map(patient::Given::of).collect::<Vec<_>>();
-        let layers = match file.layers {
-            Some(layers) => layers.into_iter().map(Layer::from).collect(),
-            None => default_layers(),
+        let layers = match (file.layers, beside) {
+            (Some(layers), _) => layers.into_iter().map(Layer::from).collect(),
+            (None, Some(beside)) => beside.layers.clone(),
+            (None, None) => default_layers(),
         };
-        let (chest, chest_grid) = file.chest.map(ChestFile::wall).transpose()?.unwrap_or_default();
+        let (chest, mut chest_grid) =
+            file.chest.map(ChestFile::wall).transpose()?.unwrap_or_default();
+        let (mut thickness_field, mut placement) = (file.thickness_field, file.body.map(Box::new));
+        if let Some(beside) = beside {
+            chest_grid = chest_grid.or_else(|| beside.chest_grid.clone());
+            thickness_field = thickness_field.or_else(|| beside.thickness_field.clone());
+            placement = placement.or_else(|| beside.placement.clone());
+        }
         let mut scene = Scene {
             implant,
             implant_reference: file.implant.reference,
@@ -278,16 +311,18 @@ impl SceneFile {
             chest_grid,
             insertion: file.insertion,
             layers,
-            thickness_field: file.thickness_field,
+            thickness_field,
             patient: None,
             side: file.side,
             visit: file.visit,
-            placement: file.body.map(Box::new),
+            placement,
+            other_side: None,
             springs: file.springs,
             solver: file.solver,
         };
-        if let Some(patient) = file.patient {
-            patient.fill(&mut scene, &given)?;
+        match file.patient {
+            Some(patient) => patient.fill(&mut scene, &given)?,
+            None => scene.patient = beside.and_then(|beside| beside.patient.clone()),
         }
         Ok(scene)
     }

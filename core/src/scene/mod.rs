@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `patient`
+//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `other_side` (plans of their own for both sides) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `skin_state` (its natural tension), `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
 //!
@@ -24,6 +24,7 @@ mod grid;
 mod implant;
 mod kept_surface;
 mod layer;
+mod other_side;
 mod patient;
 pub mod pins;
 mod placement;
@@ -224,7 +225,8 @@ impl Scene {
                 &format!("{least} to {most}"),
             ));
         }
-        self.check_chest()
+        self.check_chest()?;
+        self.check_other_side()
     }
 
     /// Checks the numbers of a part; the pocket has a check of its own.
@@ -268,6 +270,7 @@ impl Scene {
             side: None,
             visit: None,
             placement: None,
+            other_side: None,
             ..self.clone()
         };
         scene.layers.iter_mut().for_each(|layer| layer.tissue.clear());

@@ -80,6 +80,13 @@ fn boxed<'de, D: Deserializer<'de>>(reader: D) -> Result<Box<SceneFile>, D::Erro
     object(reader).map(Box::new)
 }
 
+/// Reads the plan of the other side.
+pub(super) fn boxed_or_none<'de, D: Deserializer<'de>>(
+    reader: D,
+) -> Result<Option<Box<SceneFile>>, D::Error> {
+    boxed(reader).map(Some)
+}
+
 /// Reads the field `pins`.
 pub(super) fn list<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Vec<PinFile>>, D::Error> {
     #[derive(Deserialize)]

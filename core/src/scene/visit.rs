@@ -203,18 +203,21 @@ impl Scene {
     /// The scene without its visit and its place on a body, for everything that leaves the plan's file: links, pins, stores.
     #[must_use]
     pub fn without_visit(&self) -> Self {
-        Self { visit: None, placement: None, ..self.clone() }
+        let mut scene = Self { visit: None, placement: None, ..self.clone() };
+        if let Some(other) = &mut scene.other_side {
+            other.placement = None;
+        }
+        scene
     }
 
     /// Are two scenes equal but for their visits and for a place on a body that only one of them has?
     #[must_use]
     pub fn is_same_plan(&self, other: &Self) -> bool {
         let is_one_placed = self.placement.is_some() != other.placement.is_some();
-        let placement = if is_one_placed { &other.placement } else { &self.placement };
         self == other
-            || (is_one_placed || self.visit != other.visit)
-                && Self { visit: other.visit.clone(), placement: placement.clone(), ..self.clone() }
-                    == *other
+            || is_one_placed && self.without_visit() == other.without_visit()
+            || self.visit != other.visit
+                && Self { visit: other.visit.clone(), ..self.clone() } == *other
     }
 
     /// Is the breast the patient's right one? Numbers and coordinates are those of a left one; pictures and meshes are mirrored in x.

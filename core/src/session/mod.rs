@@ -7,8 +7,10 @@
 
 mod command;
 mod counters;
+mod other_side;
 mod pins;
 mod reading;
+mod record;
 
 use crate::measure::{Fields, Outcome};
 use crate::scene::pins::document_json;
@@ -18,9 +20,11 @@ use crate::solve::{Displayed, Invalid, Options, Progress, Solver};
 use crate::springs::stability::Limits;
 pub use command::{Command, CommandError};
 pub use counters::Counters;
+pub use other_side::OtherSide;
+use other_side::Solved;
 pub use pins::Pin;
-use pins::{PinSolve, Solved};
-use serde::Serialize;
+use pins::PinSolve;
+pub use record::{Answer, Record};
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 
@@ -29,29 +33,6 @@ const HISTORY: usize = 100;
 
 /// Position error of a draft during the drag of a control \[base radius\].
 const DRAFT_TOLERANCE: f64 = 1e-3;
-
-/// A saved result, complete without the session.
-#[derive(Clone, Debug, Serialize)]
-pub struct Record {
-    /// The result.
-    #[serde(flatten)]
-    pub outcome: Outcome,
-    /// The scene of the result.
-    pub scene: Scene,
-    /// Version of the program.
-    pub program_version: &'static str,
-    /// Date and time of saving, UTC, as in RFC 3339.
-    pub date: String,
-}
-
-/// A scene with the fields of its solution.
-#[derive(Clone, Debug)]
-pub struct Answer {
-    /// The scene.
-    pub scene: Scene,
-    /// The fields.
-    pub fields: Rc<Fields>,
-}
 
 /// The solve of the current scene.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -109,6 +90,8 @@ pub struct Session {
     pins_added: u64,
     pins_revision: u64,
     pin_solve: Option<PinSolve>,
+    /// The plan of the other side, where it has one of its own.
+    other_side: Option<OtherSide>,
 }
 
 impl Session {
@@ -121,6 +104,7 @@ impl Session {
         let checked = CheckedScene::new(scene)?;
         let solver = Solver::with_options(checked.problem(), options);
         let scene = checked.into_scene();
+        let other_side = OtherSide::of(&scene);
         Ok(Self {
             valid: scene.clone(),
             reverted: None,
@@ -140,6 +124,7 @@ impl Session {
             pins_added: 0,
             pins_revision: 0,
             pin_solve: None,
+            other_side,
         })
     }
 
@@ -156,7 +141,10 @@ impl Session {
     pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
         match command {
             Command::Edit { mut scene, gesture } => {
-                scene.drop_reference_of(&self.scene);
+                if scene.side == self.scene.side || scene.other_side.is_none() {
+                    scene.drop_reference_of(&self.scene);
+                }
+                scene.align_other_side();
                 let merge = self.last_gesture == Some(gesture);
                 if self.replace(CheckedScene::new(*scene)?, merge) {
                     self.last_gesture = Some(gesture);
@@ -248,7 +236,10 @@ impl Session {
     /// solve.
     fn show(&mut self, checked: CheckedScene) -> Scene {
         self.set_side_of_pins(checked.scene().side);
-        if checked.scene().same_physics(&self.scene) {
+        let is_same = checked.scene().same_physics(&self.scene);
+        let held = if is_same { None } else { self.held(checked.scene()) };
+        self.update_other_side(checked.scene());
+        if is_same {
             let before = std::mem::replace(&mut self.scene, checked.into_scene());
             if let Some(measured) = &mut self.measured {
                 simulate::relabel(&mut measured.outcome, &before, &self.scene);
@@ -259,7 +250,7 @@ impl Session {
         if problem.materials != self.problem().materials {
             self.stability_limits.take();
         }
-        if let Some(solved) = self.held(checked.scene()) {
+        if let Some(solved) = held {
             return self.hold(checked.into_scene(), solved);
         }
         self.note_answer();
@@ -353,9 +344,13 @@ impl Session {
     /// Reverts to the last scene with a valid solution and solves that scene; [`Command::Redo`] restores the reverted
     /// scene. False if the current scene is the last valid scene.
     fn take_back(&mut self) -> bool {
-        // Side and visit are none of the solve's: their edits stay.
-        let Scene { side, ref visit, .. } = self.scene;
-        let valid = Scene { side, visit: visit.clone(), ..self.valid.clone() };
+        // Side and visit are none of the solve's: their edits stay, unless each side has a plan of its own.
+        let visit = self.scene.visit.clone();
+        let side = match self.valid.other_side {
+            Some(_) => self.valid.side,
+            None => self.scene.side,
+        };
+        let valid = Scene { side, visit, ..self.valid.clone() };
         if valid.is_same_plan(&self.scene) {
             return false;
         }

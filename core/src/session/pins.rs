@@ -4,6 +4,7 @@
 //! current scene shows the solution of a pin without a solve, and pins of a file are solved once each, after the current
 //! scene, by [`Session::advance_pins`].
 
+use super::other_side::{OTHER, OtherSide, Solved};
 use super::{CommandError, Session, work_of};
 use crate::measure::{Fields, Outcome, Status};
 use crate::scene::pins::{MAX_PINS, check_name, document_json};
@@ -24,16 +25,9 @@ pub struct Pin {
     number: u64,
 }
 
-/// Result and solution of a scene.
-#[derive(Clone, Debug)]
-pub(super) struct Solved {
-    pub(super) outcome: Outcome,
-    pub(super) fields: Rc<Fields>,
-}
-
-/// The solve of a pin.
+/// The solve of a pin or of the other side.
 pub(super) struct PinSolve {
-    number: u64,
+    pub(super) number: u64,
     solver: Solver,
 }
 
@@ -122,6 +116,9 @@ impl Session {
         let now = &self.scene;
         let placement = now.placement.clone().filter(|_| pin.scene().is_on_wall_of(now));
         let mut scene = Scene { visit: now.visit.clone(), placement, ..pin.scene().clone() };
+        if let (Some(other), Some(now)) = (&mut scene.other_side, &now.other_side) {
+            other.placement = now.placement.clone().filter(|_| other.is_on_wall_of(now));
+        }
         if let (Some(patient), Some(now)) = (&mut scene.patient, &now.patient) {
             let base = patient.base_now(now);
             patient.measured.base_width_mm = base.or(patient.measured.base_width_mm);
@@ -231,7 +228,7 @@ impl Session {
     /// Adds a pin. A pin has no visit and no body: pins are kept in the browser and compared with other plans.
     fn add_pin(&mut self, mut pinned: PinnedScene) {
         self.pins_added += 1;
-        (pinned.scene.visit, pinned.scene.placement) = (None, None);
+        pinned.scene = pinned.scene.without_visit();
         let has_side = pinned.scene.side.is_some();
         pinned.scene.side = pinned.scene.side.or(self.scene.side);
         let at = self.pins.partition_point(|pin| pin.letter() < pinned.letter);
@@ -248,47 +245,79 @@ impl Session {
         }
     }
 
-    /// The solution of a pin with the physics of a scene.
+    /// The solution of a pin or of the other side with the physics of a scene.
     pub(super) fn held(&self, scene: &Scene) -> Option<Solved> {
-        let same = |pin: &&Pin| pin.has_shape() && pin.scene().same_physics(scene);
-        let pin = self.pins.iter().find(same)?;
-        pin.solved.as_ref().map(|solved| solved.relabelled(pin.scene(), scene))
+        let pins = self.pins.iter().map(|pin| (pin.scene(), pin.solved.as_ref()));
+        let of_other = self.other_side.iter().map(|other| (other.scene(), other.solved()));
+        let all = pins.chain(of_other).filter_map(|(of, solved)| Some((of, solved?)));
+        let has_shape = |solved: &Solved| solved.outcome.status == Status::Converged;
+        let same = |(of, solved): &(&Scene, &Solved)| has_shape(solved) && of.same_physics(scene);
+        let (of, solved) = all.into_iter().find(same)?;
+        Some(solved.relabelled(of, scene))
     }
 
-    /// Gives the pins without a solution the solutions of scenes with the same physics.
+    /// Gives the other side and the pins without a solution the solutions of scenes with the same physics.
     pub(super) fn share_solutions(&mut self) {
-        for k in 0..self.pins.len() {
-            if self.pins[k].solved.is_some() {
-                continue;
-            }
-            let scene = self.pins[k].scene();
-            let is_current = self.scene.same_physics(scene) && !self.is_stopped();
-            let solved = match self.result().filter(|_| is_current) {
-                Some(outcome) => {
-                    let (outcome, fields) = (outcome.clone(), Rc::clone(self.fields()));
-                    Some(Solved { outcome, fields }.relabelled(&self.scene, scene))
-                }
-                None => self.held(scene),
-            };
-            if solved.is_some() {
+        let mut numbers: Vec<u64> = self.pins.iter().map(Pin::number).collect();
+        numbers.push(OTHER);
+        for number in numbers {
+            let Some((scene, None)) = self.beside(number) else { continue };
+            if let Some(solved) = self.at_hand(scene) {
                 self.count(|c| c.shared += 1);
-                self.pins[k].solved = solved;
-                let number = self.pins[k].number;
+                self.set_solved(number, solved);
                 self.pin_solve.take_if(|solve| solve.number == number);
             }
         }
     }
 
-    /// Runs a slice of the solve of the next pin without a solution, after the solve of the current scene; calls
-    /// `pause` every few milliseconds. Returns `Working` as long as a pin has no solution.
+    /// The solution of the current scene, of a pin or of the other side for a scene of the same physics.
+    pub(super) fn at_hand(&self, scene: &Scene) -> Option<Solved> {
+        let is_current = self.scene.same_physics(scene) && !self.is_stopped();
+        match self.result().filter(|_| is_current) {
+            Some(outcome) => {
+                let (outcome, fields) = (outcome.clone(), Rc::clone(self.fields()));
+                Some(Solved { outcome, fields }.relabelled(&self.scene, scene))
+            }
+            None => self.held(scene),
+        }
+    }
+
+    /// The scene of a pin or of the other side by its number, with its solution.
+    fn beside(&self, number: u64) -> Option<(&Scene, Option<&Solved>)> {
+        if number == OTHER {
+            return self.other_side.as_ref().map(|other| (other.scene(), other.solved()));
+        }
+        let pin = self.pins.iter().find(|pin| pin.number == number)?;
+        Some((pin.scene(), pin.solved.as_ref()))
+    }
+
+    fn set_solved(&mut self, number: u64, solved: Solved) {
+        if number == OTHER {
+            self.set_other_side_solved(solved);
+        } else if let Some(pin) = self.pins.iter_mut().find(|pin| pin.number == number) {
+            pin.solved = Some(solved);
+        }
+    }
+
+    /// Number of the next scene without a solution: of the other side, then of the pins.
+    fn unsolved(&self) -> Option<u64> {
+        let pins = self.pins.iter().map(Pin::number);
+        let is_unsolved =
+            |number: &u64| self.beside(*number).is_some_and(|(_, solved)| solved.is_none());
+        [OTHER].into_iter().chain(pins).find(is_unsolved)
+    }
+
+    /// Runs a slice of the solve of the other side or of the next pin without a solution, after the solve of the current scene; calls
+    /// `pause` every few milliseconds. Returns `Working` as long as one has no solution.
     pub fn advance_pins(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
-        let next = self.pins.iter().position(|pin| pin.solved.is_none());
-        let Some(k) = next.filter(|_| !self.is_working()) else { return Progress::Done };
-        let number = self.pins[k].number;
+        let next = self.unsolved().filter(|_| !self.is_working());
+        let Some(number) = next else { return Progress::Done };
+        let Some((scene, _)) = self.beside(number) else { return Progress::Done };
+        let scene = scene.clone();
         let mut solve = match self.pin_solve.take().filter(|solve| solve.number == number) {
             Some(solve) => solve,
-            // The scene of a pin was checked before.
-            None => match CheckedScene::new(self.pins[k].scene().clone()) {
+            // The scene was checked before.
+            None => match CheckedScene::new(scene.clone()) {
                 Ok(scene) => {
                     self.count(|c| c.solves += 1);
                     let solver = Solver::with_options(scene.problem(), Options::default());
@@ -309,37 +338,38 @@ impl Session {
             return progress;
         }
         let fields = Rc::new(Fields::new(Arc::new(solve.solver.into_solution())));
-        let outcome = simulate::measure(self.pins[k].scene(), &fields);
+        let outcome = simulate::measure(&scene, &fields);
         self.count(|c| {
             c.solutions += 1;
             c.measurements += 1;
         });
-        self.pins[k].solved = Some(Solved { outcome, fields });
+        self.set_solved(number, Solved { outcome, fields });
         self.share_solutions();
         if self.is_solving_pins() { Progress::Working } else { Progress::Done }
     }
 
-    /// Is a pin without a solution?
+    /// Is a pin or the other side without a solution?
     #[must_use]
     pub fn is_solving_pins(&self) -> bool {
-        self.pins.iter().any(|pin| pin.solved.is_none())
+        self.unsolved().is_some()
     }
 
-    /// Counts the work of fields that neither a pin nor the current scene uses any more.
-    fn drop_fields(&self, fields: &Rc<Fields>) {
+    /// Counts the work of fields that neither a pin, nor the other side, nor the current scene uses any more.
+    pub(super) fn drop_fields(&self, fields: &Rc<Fields>) {
         let is_current = self.fields.get().is_some_and(|own| Rc::ptr_eq(own, fields));
         if !is_current && !self.is_pinned(fields) {
             self.count_fields(fields);
         }
     }
 
-    /// Does a pin share these fields?
+    /// Does a pin or the other side share these fields?
     pub(super) fn is_pinned(&self, fields: &Rc<Fields>) -> bool {
         self.pinned_fields().any(|own| Rc::ptr_eq(own, fields))
     }
 
     fn pinned_fields(&self) -> impl Iterator<Item = &Rc<Fields>> {
-        self.pins.iter().filter_map(Pin::fields)
+        let of_other = self.other_side.iter().filter_map(OtherSide::fields);
+        self.pins.iter().filter_map(Pin::fields).chain(of_other)
     }
 
     /// Work of the fields in use: numbers of recovered deformations and computed fields.
@@ -351,14 +381,5 @@ impl Session {
             }
         }
         all.into_iter().map(|fields| work_of(fields)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
-    }
-}
-
-impl Solved {
-    /// The same solution for a scene of the same physics.
-    fn relabelled(&self, of: &Scene, scene: &Scene) -> Self {
-        let mut solved = self.clone();
-        simulate::relabel(&mut solved.outcome, of, scene);
-        solved
     }
 }

@@ -56,6 +56,13 @@ pub struct Profile {
     pub z_mm: Vec<f64>,
 }
 
+impl Scene {
+    /// The scene without what its case does not depend on and takes much room in a job: its place on a body and the plan of the other side.
+    pub(super) fn for_job(self) -> Self {
+        Self { placement: None, other_side: None, ..self }
+    }
+}
+
 impl Case {
     /// The case of a scene out of its limits.
     #[must_use]

@@ -68,10 +68,10 @@ impl MapOptions {
 /// Grid and tolerance of the points that check a map.
 pub const CHECK: MapSettings = MapSettings { nodes_per_side: 129, tolerance: 1e-4 };
 
-/// The scene of a study: without side and visit.
+/// The scene of a study: without side, other side and visit.
 pub(super) fn base_scene(scene: &Scene) -> Scene {
     // The visit stays in the plan's file, and another visit or side is no other map.
-    Scene { side: None, ..scene.without_visit() }
+    Scene { side: None, other_side: None, ..scene.without_visit() }
 }
 
 impl MapSettings {

@@ -39,7 +39,7 @@ impl<T> OneByOne<T> {
         let index = self.jobs;
         self.jobs += 1;
         self.running.insert(index, (name, key));
-        Err((index, Job { scenes: vec![scene], ..Job::default() }))
+        Err((index, Job { scenes: vec![scene.for_job()], ..Job::default() }))
     }
 
     /// Stores the case of a job and returns it with the name of its scene; `None` for an unknown job, no case for a job that has

@@ -93,9 +93,9 @@ fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> 
         let mut scene = Scene {
             insertion: 1.0,
             patient: None,
-            visit: None,
             implant_reference: String::new(),
-            ..plan.clone()
+            other_side: None,
+            ..plan.without_visit()
         };
         scene.implant = Implant {
             base_radius_mm: 0.5 * width_mm,
@@ -133,8 +133,8 @@ pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
             insertion: 1.0,
             patient: None,
             side: None,
-            visit: None,
-            ..scene.clone()
+            other_side: None,
+            ..scene.without_visit()
         };
         if scene.has_default_patch() {
             subject.body.patch_radius_mm = 0.0;

@@ -68,7 +68,7 @@ impl Queue {
             } else {
                 self.places.insert(key.clone(), (index, places.len()));
                 places.push((key, vec![item]));
-                scenes.push(scene);
+                scenes.push(scene.for_job());
             }
         }
         if scenes.is_empty() && self.waiting.is_empty() {

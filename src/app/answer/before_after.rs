@@ -2,10 +2,12 @@
 
 use super::columns::{Cell, Columns, Line, cell};
 use super::measured::Measured;
+use crate::app::plan::side_in_a_word;
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::remark;
 pub(crate) use crate::body::before_after::NOT_COMPUTED;
 use crate::body::before_after::Row;
+use crate::scene::Scene;
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui, vec2};
 
@@ -54,13 +56,21 @@ pub(crate) fn has_body(session: &Session) -> bool {
 /// The table of a session; `None` without her body or a result.
 pub(crate) fn table(measured: &Measured, session: &Session, of: Of) -> Option<Table> {
     let rows = measured.of_plan(session)?;
-    let mut heads = ["before", "after", "gain"].map(|head| tr(head).to_owned()).to_vec();
+    let names = ["before", "after", "gain"].map(tr);
+    let mut heads = names.map(str::to_owned).to_vec();
+    let other = session.other_side().zip(measured.of_other_side(session));
+    if let Some((other, _)) = &other {
+        let named = |scene: &Scene| names.map(|head| format!("{}: {head}", side_in_a_word(scene)));
+        heads = [session.scene(), other.scene()].map(named).concat();
+    }
     let pins = session.pins().iter().filter(|_| of == Of::Pins);
     let pins = pins.filter_map(|pin| Some((pin.letter(), measured.of_pin(session, pin)?)));
     let pins: Vec<_> = pins.collect();
     heads.extend(pins.iter().map(|(letter, _)| letter.to_string()));
     let line = |(k, row): (usize, &Row)| {
-        let mut cells = vec![value(row, row.before), value(row, row.after), gain(row)];
+        let three = |row: &Row| [value(row, row.before), value(row, row.after), gain(row)];
+        let mut cells = three(row).to_vec();
+        cells.extend(other.iter().filter_map(|(_, rows)| rows.get(k)).flat_map(three));
         let of_pin = |row: &Row| match row.after {
             Some(_) => value(row, row.after),
             None => gain(row),

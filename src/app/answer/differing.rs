@@ -112,24 +112,29 @@ impl Given {
     }
 }
 
-/// The values that differ between the plan and its pins.
+/// The scenes that are compared: the plan, that of the other side, the pins.
+fn compared(session: &Session) -> impl Iterator<Item = &Scene> {
+    let pins = session.pins().iter().map(Pin::scene);
+    [session.scene()].into_iter().chain(session.scene().other_side.as_deref()).chain(pins)
+}
+
+/// The values that differ between the plan, the other side and its pins.
 fn differing(session: &Session, device: Device) -> impl Iterator<Item = Given> {
     let differs = move |given: &Given| {
         let own = given.of_scene(session.scene(), device);
-        session.pins().iter().any(|pin| given.of_scene(pin.scene(), device) != own)
+        compared(session).any(|scene| given.of_scene(scene, device) != own)
     };
     GIVEN.into_iter().chain(Field::PLAIN.map(Given::of)).filter(differs)
 }
 
-/// The values that differ, a row each: the name with the unit, then the plan's value and those of the pins.
+/// The values that differ, a row each: the name with the unit, then the plan's value and those of the other side and of the pins.
 pub(crate) fn rows(session: &Session, device: Device) -> Vec<(String, Vec<String>)> {
     let row = |given: Given| {
         let name = match given.unit {
             "" => tr(given.name).to_owned(),
             unit => format!("{}, {unit}", tr(given.name)),
         };
-        let scenes = [session.scene()].into_iter().chain(session.pins().iter().map(Pin::scene));
-        (name, scenes.map(|scene| given.of_scene(scene, device)).collect())
+        (name, compared(session).map(|scene| given.of_scene(scene, device)).collect())
     };
     differing(session, device).map(row).collect()
 }

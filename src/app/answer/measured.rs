@@ -2,21 +2,21 @@
 //! shape.
 
 use crate::body::before_after::{Before, Row};
-use crate::body::deform::deform;
+use crate::body::deform::deform_sides;
 use crate::body::frame::Frame;
-use crate::body::marks::Side;
+use crate::body::marks::{Marks, Side};
 use crate::body::read::Unit;
 use crate::body::surface::Surface;
 use crate::measure::{Outcome, Status};
-use crate::scene::{Placement, Scene};
+use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::Solution;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::{Arc, Weak};
 
-/// Number of shapes whose measures are kept: plan and pins.
-const MOST: usize = 5;
+/// Number of shapes whose measures are kept: plan, other side and pins.
+const MOST: usize = 6;
 
 /// What is known of her body.
 #[derive(Default)]
@@ -24,92 +24,155 @@ pub(crate) struct Measured(RefCell<Known>);
 
 #[derive(Default)]
 struct Known {
-    body: Option<Body>,
+    /// Her body on the sides that were measured; all have one surface and one set of marks.
+    bodies: Vec<Body>,
     /// The rows of shapes on this body, the oldest first.
-    shapes: Vec<(Weak<Solution>, Rc<[Row]>)>,
-    /// The last rows of a plan on this body.
-    last: Option<Rc<[Row]>>,
+    shapes: Vec<Shape>,
+    /// The last rows of a plan on this body, of the left and of the right side.
+    last: [Option<Rc<[Row]>>; 2],
 }
 
-/// A body with the place of its scene.
+/// A body before.
 struct Body {
-    placement: Placement,
+    surface: Arc<Surface>,
+    marks: Marks,
+    cover_mm: f64,
     side: Side,
-    /// The body before; `None` for marks at one place.
+    /// `None` for marks at one place.
     before: Option<Rc<Before>>,
 }
 
-/// The surfaces of her body before and after, and the unit of her scan; `None` without her body.
+/// The rows of a side; its own shape is the first one.
+struct Shape {
+    side: Side,
+    of: Vec<Weak<Solution>>,
+    rows: Rc<[Row]>,
+}
+
+/// The side of a plan.
+fn side_of(scene: &Scene) -> Side {
+    if scene.is_right() { Side::Right } else { Side::Left }
+}
+
+/// Her body's surface.
+fn surface(session: &Session) -> Option<&Arc<Surface>> {
+    Some(session.scene().placement.as_ref()?.surface.as_ref()?.surface())
+}
+
+/// The other side's result and shape, in its place on the body.
+fn of_other(session: &Session) -> Option<(&Outcome, (Frame, &Arc<Solution>))> {
+    let other = session.other_side()?;
+    let outcome = other.outcome().filter(|outcome| outcome.status == Status::Converged)?;
+    Some((outcome, (other.scene().placement.as_ref()?.frame(), other.fields()?.solution())))
+}
+
+/// The surfaces of her body before and after, of both sides where each has a plan, and the unit of her scan; `None` without her body.
 pub(crate) fn surfaces(session: &Session) -> Option<([Surface; 2], Unit)> {
     let placement = session.scene().placement.as_deref()?;
-    let before = placement.surface.as_ref()?.surface();
-    let after = deform(before, &placement.frame(), session.solution());
-    Some(([Surface::clone(before), after], placement.unit.into()))
+    let before = surface(session)?;
+    let mut sides = vec![(placement.frame(), &**session.solution())];
+    sides.extend(of_other(session).map(|(_, (frame, solution))| (frame, &**solution)));
+    Some(([Surface::clone(before), deform_sides(before, &sides)], placement.unit.into()))
 }
 
 impl Measured {
     /// The measures of the plan before and after; `None` without her body or a converged result. During a solve those of the last result
     /// that was shown.
     pub(crate) fn of_plan(&self, session: &Session) -> Option<Rc<[Row]>> {
+        let scene = session.scene();
         if session.is_working() {
-            self.before(session.scene())?;
-            return self.0.borrow().last.clone();
+            self.before(scene, surface(session)?)?;
+            return self.0.borrow().last[side_of(scene) as usize].clone();
         }
         let outcome = session.result().filter(|outcome| outcome.status == Status::Converged)?;
-        let rows = self.rows(session.scene(), outcome, session.solution());
-        self.0.borrow_mut().last.clone_from(&rows);
-        rows
+        let own = (scene.placement.as_ref()?.frame(), session.solution());
+        let other = of_other(session).map(|(_, shape)| shape);
+        self.rows(session, (scene, outcome), own, other)
     }
 
-    /// The measures of a pin on the wall of the plan before and after.
+    /// The measures of the other side's plan, as [`Self::of_plan`]; `None` for one plan.
+    pub(crate) fn of_other_side(&self, session: &Session) -> Option<Rc<[Row]>> {
+        let scene = session.other_side()?.scene();
+        let is_converged =
+            session.result().is_some_and(|outcome| outcome.status == Status::Converged);
+        let own = of_other(session).filter(|_| is_converged);
+        let Some((outcome, own)) = own else {
+            self.before(scene, surface(session)?)?;
+            return self.0.borrow().last[side_of(scene) as usize].clone();
+        };
+        let other = (session.scene().placement.as_ref()?.frame(), session.solution());
+        self.rows(session, (scene, outcome), own, Some(other))
+    }
+
+    /// The measures of a pin on the wall of the plan before and after; of a pin with a plan for each side those of its own side alone.
     pub(crate) fn of_pin(&self, session: &Session, pin: &Pin) -> Option<Rc<[Row]>> {
         // A pin has no body of its own.
         let is_on_body = pin.has_shape() && pin.scene().is_on_wall_of(session.scene());
-        let (outcome, solution) = pin.outcome().zip(pin.solution())?;
-        is_on_body.then(|| self.rows(session.scene(), outcome, solution)).flatten()
+        let (outcome, solution) = pin.outcome().zip(pin.solution()).filter(|_| is_on_body)?;
+        let own = (session.scene().placement.as_ref()?.frame(), solution);
+        self.rows(session, (session.scene(), outcome), own, None)
     }
 
-    /// The body of a plan before, and the place of the plan on it.
-    fn before(&self, scene: &Scene) -> Option<(Rc<Before>, Frame)> {
-        let placement = scene.placement.as_deref()?;
-        let side = if scene.is_right() { Side::Right } else { Side::Left };
+    /// The body of a side before.
+    fn before(&self, scene: &Scene, surface: &Arc<Surface>) -> Option<Rc<Before>> {
+        let (side, placement) = (side_of(scene), scene.placement.as_deref()?);
+        let (marks, cover_mm) = (placement.marks, placement.cover_mm);
         let known = &mut *self.0.borrow_mut();
-        let is_same = |body: &&Body| body.side == side && body.placement == *placement;
-        let before = match known.body.as_ref().filter(is_same) {
-            Some(body) => body.before.clone(),
-            None => {
-                let surface = Arc::clone(placement.surface.as_ref()?.surface());
-                let (marks, cover_mm) = (&placement.marks, placement.cover_mm);
-                let before = Before::new(surface, marks, side, cover_mm).ok().map(Rc::new);
-                (known.shapes, known.last) = Default::default();
-                let placement = placement.clone();
-                known.body = Some(Body { placement, side, before: before.clone() });
-                before
-            }
+        let is_same = |body: &Body| {
+            Arc::ptr_eq(&body.surface, surface)
+                && (&body.marks, body.cover_mm.to_bits()) == (&marks, cover_mm.to_bits())
         };
-        Some((before?, placement.frame()))
+        if !known.bodies.iter().all(is_same) {
+            *known = Known::default();
+        }
+        if let Some(body) = known.bodies.iter().find(|body| body.side == side) {
+            return body.before.clone();
+        }
+        let before = Before::new(Arc::clone(surface), &marks, side, cover_mm).ok().map(Rc::new);
+        let surface = Arc::clone(surface);
+        known.bodies.push(Body { surface, marks, cover_mm, side, before: before.clone() });
+        before
     }
 
-    /// The rows of a shape on the body of a plan.
+    /// The rows of a side's shape on the body of a session, beside that of the other side.
     fn rows(
         &self,
-        scene: &Scene,
-        outcome: &Outcome,
-        solution: &Arc<Solution>,
+        session: &Session,
+        (scene, outcome): (&Scene, &Outcome),
+        own: (Frame, &Arc<Solution>),
+        other: Option<(Frame, &Arc<Solution>)>,
     ) -> Option<Rc<[Row]>> {
-        let (before, place) = self.before(scene)?;
+        let (side, before) = (side_of(scene), self.before(scene, surface(session)?)?);
         let known = &mut *self.0.borrow_mut();
+        let all = || [Some(own), other].into_iter().flatten();
         // The address of a shape that is gone belongs to no other one while it is kept here.
-        let is_of = |(of, _): &&(Weak<Solution>, Rc<[Row]>)| of.as_ptr() == Arc::as_ptr(solution);
-        if let Some((_, rows)) = known.shapes.iter().find(is_of) {
-            return Some(Rc::clone(rows));
-        }
-        let (after, marks) = before.after(&place, solution);
-        let rows: Rc<[Row]> = before.rows((&after, &marks), outcome.implant_volume_ml).into();
-        if known.shapes.len() == MOST {
-            known.shapes.remove(0);
-        }
-        known.shapes.push((Arc::downgrade(solution), Rc::clone(&rows)));
+        let is_of = |known: &&Shape| {
+            let addresses = all().map(|(_, solution)| Arc::as_ptr(solution));
+            known.side == side && known.of.iter().map(Weak::as_ptr).eq(addresses)
+        };
+        let rows = match known.shapes.iter().find(is_of) {
+            Some(shape) => Rc::clone(&shape.rows),
+            None => {
+                let sides: Vec<_> = all().map(|(frame, solution)| (frame, &**solution)).collect();
+                let (after, marks) = before.after(&sides[..1]);
+                let alone = (&after, &marks);
+                let volume_ml = outcome.implant_volume_ml;
+                let rows: Rc<[Row]> = match sides.len() {
+                    1 => before.rows(alone, volume_ml).into(),
+                    _ => {
+                        let (after, marks) = before.after(&sides);
+                        before.rows_of_both(alone, (&after, &marks), volume_ml).into()
+                    }
+                };
+                if known.shapes.len() == MOST {
+                    known.shapes.remove(0);
+                }
+                let of = all().map(|(_, solution)| Arc::downgrade(solution)).collect();
+                known.shapes.push(Shape { side, of, rows: Rc::clone(&rows) });
+                rows
+            }
+        };
+        known.last[side as usize] = Some(Rc::clone(&rows));
         Some(rows)
     }
 }
@@ -173,6 +236,52 @@ pub(crate) mod tests {
         while session.advance(&mut || false) == Progress::Working {}
         assert!(measured.of_plan(&session).is_none() && of_pin(&session).is_none());
         assert!(surfaces(&session).is_none());
+    }
+
+    /// Plans of their own: the measures of each side, and of both together; exchanged sides are measured no second time.
+    #[test]
+    fn both_sides_are_measured_beside_each_other() {
+        let (mut session, measured) = (solved(), Measured::default());
+        let solve = |session: &mut Session| {
+            while session.advance(&mut || false) == Progress::Working {}
+            while session.advance_pins(&mut || false) == Progress::Working {}
+        };
+        let alone = measured.of_plan(&session).unwrap();
+        assert!(measured.of_other_side(&session).is_none());
+        let mut scene = session.scene().clone();
+        scene.add_other_side().unwrap();
+        scene.other_side.as_mut().unwrap().implant.projection_mm += 8.0;
+        session.apply(Command::Edit { scene: Box::new(scene.clone()), gesture: 1 }).unwrap();
+        solve(&mut session);
+        let sides = [measured.of_plan(&session), measured.of_other_side(&session)];
+        let [left, right] = sides.map(Option::unwrap);
+        let row = |rows: &[Row], name: &str| *rows.iter().find(|row| row.name == name).unwrap();
+        // The left breast is as it was alone; the larger implant gains more on the right.
+        for name in ["Projection", "Volume gained", "Notch to nipple", "Upper pole"] {
+            let [one, beside, other] =
+                [&alone, &left, &right].map(|rows| row(rows, name).gain.unwrap());
+            assert!((one - beside).abs() < 0.02 * one.abs() + 0.02, "{name}: {one} {beside}");
+            assert!(name == "Upper pole" || other > 1.05 * beside, "{name}: {beside} {other}");
+        }
+        // What both have together is equal, and says that they differ.
+        for name in ["Nipple to nipple", "Between the breasts", "Asymmetry of the skin"] {
+            let [of_left, of_right] = [&left, &right].map(|rows| row(rows, name));
+            assert!((of_left.after.unwrap() - of_right.after.unwrap()).abs() < 1e-9, "{name}");
+        }
+        let asymmetry = row(&left, "Asymmetry of the skin");
+        assert!(asymmetry.before.unwrap() < 0.5 && asymmetry.after.unwrap() > 1.0, "{asymmetry:?}");
+        // Both move in the exported surface.
+        let ([before, after], _) = surfaces(&session).unwrap();
+        let moved = |right: bool| {
+            let pairs = before.positions.iter().zip(&after.positions);
+            let own = pairs.filter(|(p, _)| (p.x < 0.0) == right);
+            own.map(|(p, q)| p.distance(*q)).fold(0.0, f64::max)
+        };
+        assert!(moved(true) > moved(false) + 4.0 && moved(false) > 10.0);
+        scene.exchange_sides();
+        session.apply(Command::Edit { scene: Box::new(scene), gesture: 2 }).unwrap();
+        assert!(Rc::ptr_eq(&right, &measured.of_plan(&session).unwrap()));
+        assert!(Rc::ptr_eq(&left, &measured.of_other_side(&session).unwrap()));
     }
 
     #[test]

@@ -29,6 +29,7 @@ pub(super) use draw::band_color;
 use crate::app::frame::action::Action;
 use crate::app::frame::status::Pending;
 use crate::app::plan::device::Device;
+use crate::app::plan::side_in_a_word;
 use crate::app::texts::{self, tr, word_of};
 use crate::app::widgets::theme::{self, SPACE};
 use crate::measure::bands::{self, Limits, SkinLimits};
@@ -76,6 +77,9 @@ fn answer(session: &Session, practices: &Practices, previous: PreviousResults) -
 pub(super) fn heading(ui: &mut Ui, session: &Session) {
     ui.horizontal(|ui| {
         ui.heading(tr("What happens"));
+        if session.other_side().is_some() {
+            ui.heading(format!("· {}", side_in_a_word(session.scene())));
+        }
         if session.is_working() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.label(RichText::new(tr("Updating…")).color(ui.visuals().weak_text_color()));
@@ -284,12 +288,6 @@ pub(super) fn headline(
 ) -> String {
     // Size and figures are those of one plan.
     let plan = visible_plan(session, previous);
-    let [_, width] = volume_and_width(plan);
-    let implant = implant_in_words(plan);
-    let part = match plan.insertion {
-        full if full >= 1.0 => String::new(),
-        part => tr!(", {part:.0} % in place", part = 100.0 * part),
-    };
     let answer = answer(session, practices, previous);
     let words = match answer.strain {
         None if session.is_working() => match no_answer::beyond_sold(plan) {
@@ -300,7 +298,36 @@ pub(super) fn headline(
         None => tr("no result.").to_owned(),
         Some(_) => answer.in_a_sentence(),
     };
+    let sentence = in_a_line(plan, &words);
+    match other_side_in_words(session, practices) {
+        Some(other) => format!("{}: {sentence} {other}", side_in_a_word(plan)),
+        None => sentence,
+    }
+}
+
+/// The size of a plan before the words of its answer.
+fn in_a_line(plan: &Scene, words: &str) -> String {
+    let [_, width] = volume_and_width(plan);
+    let implant = implant_in_words(plan);
+    let part = match plan.insertion {
+        full if full >= 1.0 => String::new(),
+        part => tr!(", {part:.0} % in place", part = 100.0 * part),
+    };
     format!("{implant}, {} cm{part}: {words}", texts::localized(width))
+}
+
+/// The other side's plan with its answer in a sentence, where each side has a plan of its own.
+pub(super) fn other_side_in_words(session: &Session, practices: &Practices) -> Option<String> {
+    let other = session.other_side()?;
+    let (scene, outcome) = (other.scene(), other.outcome());
+    let problem = other.fields().map_or(session.problem(), |fields| fields.solution().problem());
+    let answer = Answer::new(outcome, scene, problem, practices);
+    let words = match (outcome, answer.strain) {
+        (None, _) => tr("updating…").to_owned(),
+        (Some(_), None) => tr("no answer.").to_owned(),
+        (Some(_), Some(_)) => answer.in_a_sentence(),
+    };
+    Some(format!("{}: {}", side_in_a_word(scene), in_a_line(scene, &words)))
 }
 
 /// What stands in place of the answer for screen readers from an edit on.

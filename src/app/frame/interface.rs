@@ -57,6 +57,8 @@ impl App {
             self.shared.choices.device,
             self.shared.pending(),
         ) + &self.panels.nearest.summary(&self.shared.session)
+            + &answer::other_side_in_words(&self.shared.session, &self.shared.practices)
+                .map_or_else(String::new, |words| format!(" {words}"))
             + &self.shares_in_words()
             + &self.shared.volume_marks.largest_in_words(&self.shared.practices)
             + &self.shared.uncertainty.summary()

@@ -198,7 +198,8 @@ impl App {
         let is_held = ctx.input(|input| input.pointer.any_down());
         let is_busy = is_working || self.insertion.is_playing() || is_held;
         let pins = session.pins().iter().map(Pin::scene);
-        let wanted = std::iter::once(scene).chain(volume_marks.beside()).chain(pins);
+        let wanted = std::iter::once(scene).chain(scene.other_side.as_deref());
+        let wanted = wanted.chain(volume_marks.beside()).chain(pins);
         let wanted: Vec<&Scene> =
             wanted.chain(range.wanted()).chain(shelf_largest.wanted()).collect();
         practices.advance(&wanted, choices.device, studies, is_busy);

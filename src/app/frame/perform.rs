@@ -150,6 +150,7 @@ impl App {
         // Side and visit may be newer than the offer.
         let now = self.shared.session.scene();
         (scene.side, scene.visit) = (now.side, now.visit.clone());
+        scene.other_side.clone_from(&now.other_side);
         self.edits.is_edited = true;
         self.replace(scene);
     }

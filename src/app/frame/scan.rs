@@ -72,9 +72,7 @@ impl App {
         match scan.plan(self.shared.session.scene()) {
             Ok((scene, words)) => {
                 self.edits.is_edited = true;
-                if let Some(placement) = &scene.placement {
-                    self.shared.viewport.add_body(placement, scan.surface());
-                }
+                self.shared.viewport.keep_scan(&scene, scan.surface());
                 self.replace(scene);
                 self.shared.viewport.look(&self.shared.session, &self.shared.options, View::All);
                 if self.notice.is_none() {

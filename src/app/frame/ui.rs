@@ -136,7 +136,8 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        plan::side(ui, &mut scene.side, scene.placement.is_some(), Hand::Mouse);
+        let refused = plan::sides(ui, scene, Hand::Mouse);
+        self.actions.extend(refused.map(Action::refuse));
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
         steady(ui, "patient and pocket", |ui| {
@@ -179,7 +180,8 @@ impl App {
         match self.screen.narrow_tab {
             NarrowTab::Implant => {
                 self.largest_usual(ui);
-                plan::side(ui, &mut scene.side, scene.placement.is_some(), Hand::Finger);
+                let refused = plan::sides(ui, scene, Hand::Finger);
+                self.actions.extend(refused.map(Action::refuse));
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
                 self.panels.shelf_largest.show(ui, scene, &mut self.actions);
@@ -206,6 +208,11 @@ impl App {
         answer::heading(ui, &self.shared.session);
         if layout == Layout::Wide {
             self.largest_usual(ui);
+        }
+        if let Some(words) =
+            answer::other_side_in_words(&self.shared.session, &self.shared.practices)
+        {
+            ui.add(egui::Label::new(RichText::new(words).small()).wrap());
         }
         let Self { shared, panels, actions, .. } = self;
         let (device, palette) = (shared.choices.device, theme::palette(ui.visuals()));

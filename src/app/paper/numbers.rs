@@ -5,7 +5,7 @@ use crate::app::answer::measured::Measured;
 use crate::body::before_after as body;
 use crate::export;
 use crate::measure::{Outcome, Status};
-use crate::scene::{Field, Scene};
+use crate::scene::{Field, Scene, Side};
 use crate::session::Session;
 use crate::study::{Quantity, Samples};
 use std::rc::Rc;
@@ -143,7 +143,11 @@ pub(crate) fn table<'a>(
     });
     let body = measured.of_plan(session);
     let now = of("this plan".to_owned(), session.scene(), session.result(), body);
-    let columns: Vec<Column<'_>> = [now].into_iter().chain(pins).collect();
+    let other = session.other_side().map(|other| {
+        let name = format!("other side, {}", other.scene().side.map_or("", Side::word));
+        of(name, other.scene(), other.outcome(), measured.of_other_side(session))
+    });
+    let columns: Vec<Column<'_>> = [now].into_iter().chain(other).chain(pins).collect();
     let mut head = vec!["quantity".to_owned(), "unit".to_owned()];
     let mut answers = vec!["Answer".to_owned(), String::new()];
     for Column { name, outcome, samples, .. } in &columns {

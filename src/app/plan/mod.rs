@@ -35,7 +35,7 @@ pub(super) use pocket::pocket;
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
 pub(super) use shape::{is_anatomical, shape_in_words, usual_apex};
-pub(super) use side::side;
+pub(super) use side::sides;
 pub(super) use visit::{
     entries_of_report, missing_for_file, patient_in_words, patient_number, set_fill_steps,
     set_visit, visit_in_words,
@@ -99,6 +99,29 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     size.into_iter().chain(plain).chain(after_size).flatten().collect()
 }
 
+/// The plan as [`rows`], with the values of the other side's plan beside those that differ.
+pub(super) fn rows_of_sides(scene: &Scene, device: Device) -> Vec<(&'static str, String)> {
+    let mut all = rows(scene, device);
+    if let Some(other) = &scene.other_side {
+        for (name, value) in rows(other, device) {
+            let of_other = format!("{} {value}", side_in_a_word(other));
+            match all.iter_mut().find(|(own, _)| *own == name) {
+                Some((_, own)) if *own == value => {}
+                Some((_, own)) => {
+                    *own = format!("{} {own} · {of_other}", side_in_a_word(scene));
+                }
+                None => all.push((name, of_other)),
+            }
+        }
+    }
+    all
+}
+
+/// The side of a plan in a word.
+pub(super) fn side_in_a_word(scene: &Scene) -> &'static str {
+    scene.side.map_or("–", |side| tr(side.word()))
+}
+
 /// The implant of a device in a line with the maker's name, as "Implant RD-275: round, 12 cm wide, 275 ml, projection 4.3 cm".
 pub(super) fn implant_in_words(scene: &Scene, device: Device) -> String {
     let implant = &scene.implant;
@@ -112,6 +135,13 @@ pub(super) fn implant_in_words(scene: &Scene, device: Device) -> String {
         volume = implant.size().map_or(0.0, Size::volume_ml),
         projection = words(implant.projection_mm)
     )
+}
+
+/// The implant in a line, or that of each side behind its name.
+pub(super) fn implants_in_words(scene: &Scene, device: Device) -> Vec<String> {
+    let Some(other) = &scene.other_side else { return vec![implant_in_words(scene, device)] };
+    let line = |scene| format!("{}: {}", side_in_a_word(scene), implant_in_words(scene, device));
+    [scene, other].map(line).to_vec()
 }
 
 /// The Poisson ratios of the layers in a sentence, for the technical details.
@@ -213,6 +243,11 @@ pub(super) fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) 
 
 /// A choice out of a few that are all visible; returns whether this one was chosen.
 pub(super) fn chip(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip: &str) -> bool {
+    chip_button(ui, hand, is_chosen, text, tooltip) && !is_chosen
+}
+
+/// A chip; returns whether it was clicked.
+fn chip_button(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip: &str) -> bool {
     let height = match hand {
         Hand::Mouse => 24.0,
         Hand::Finger => theme::TOUCH - 8.0,
@@ -222,7 +257,7 @@ pub(super) fn chip(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip
         .frame_when_inactive(true)
         .min_size(egui::vec2(0.0, height));
     let chip = ui.add(chip);
-    let is_clicked = chip.clicked() && !is_chosen;
+    let is_clicked = chip.clicked();
     if !tooltip.is_empty() {
         chip.on_hover_text(tooltip);
     }

@@ -143,7 +143,7 @@ pub(super) fn set_form_field(
                 let words = Side::ALL.map(Side::word).join(", ");
                 return Some(Err(tr!("Side: allowed: {words}, {none}", words, none = NOT_SAID)));
             }
-            scene.side = side;
+            scene.set_side(side);
             return Some(Ok(()));
         }
         "date" => {
@@ -173,7 +173,8 @@ fn date_or_none(text: &str) -> Option<String> {
 /// Reference and side in words; empty if none is stated.
 pub(crate) fn patient_in_words(scene: &Scene) -> String {
     let reference = patient_number(scene).unwrap_or_default();
-    let side = scene.side.map_or("", |side| tr(side.words()));
+    let both = scene.other_side.as_ref().map(|_| Side::Both);
+    let side = both.or(scene.side).map_or("", |side| tr(side.words()));
     joined([reference, side].map(str::to_owned))
 }
 

@@ -76,35 +76,16 @@ pub(crate) fn section<'a>(
         if session.pins().is_empty() {
             let hint = tr("A pin keeps this plan with its result, to compare other plans with it.");
             remark(ui, hint);
-            return;
+            if session.other_side().is_none() {
+                return;
+            }
         }
         for pin in session.pins() {
             command = pin_row(ui, pin, session, compare).or(command.take());
         }
-        ui.horizontal_wrapped(|ui| {
-            ui.label(tr("Pictures:"));
-            let choices = [
-                (
-                    Pictures::Overlay,
-                    tr("Overlay"),
-                    tr("Draw the skin of the pins over the picture and the cross-section"),
-                ),
-                (
-                    Pictures::SideBySide,
-                    tr("Side by side"),
-                    tr("Show the pins beside the picture, with one camera"),
-                ),
-                (Pictures::PlanOnly, tr("Off"), tr("Show no pin in the pictures")),
-            ];
-            for (pictures, name, tip) in choices {
-                let is_present = compare.pictures == pictures;
-                if ui.radio(is_present, name).on_hover_text(tip).clicked() {
-                    compare.pictures = pictures;
-                }
-            }
-        });
-        ui.checkbox(&mut compare.has_differences, tr("Differences in the table"))
-            .on_hover_text(tr("Show this plan minus pin beside the pin's values"));
+        if !session.pins().is_empty() {
+            choices(ui, compare);
+        }
         table::show(ui, session, compare.has_differences, sampled, practices);
         if !before_after::has_body(session) {
             return;
@@ -118,6 +99,34 @@ pub(crate) fn section<'a>(
         });
     });
     command
+}
+
+/// The choices of the comparison with pins.
+fn choices(ui: &mut Ui, compare: &mut Compare) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label(tr("Pictures:"));
+        let choices = [
+            (
+                Pictures::Overlay,
+                tr("Overlay"),
+                tr("Draw the skin of the pins over the picture and the cross-section"),
+            ),
+            (
+                Pictures::SideBySide,
+                tr("Side by side"),
+                tr("Show the pins beside the picture, with one camera"),
+            ),
+            (Pictures::PlanOnly, tr("Off"), tr("Show no pin in the pictures")),
+        ];
+        for (pictures, name, tip) in choices {
+            let is_present = compare.pictures == pictures;
+            if ui.radio(is_present, name).on_hover_text(tip).clicked() {
+                compare.pictures = pictures;
+            }
+        }
+    });
+    ui.checkbox(&mut compare.has_differences, tr("Differences in the table"))
+        .on_hover_text(tr("Show this plan minus pin beside the pin's values"));
 }
 
 fn pin_button(ui: &mut Ui, session: &Session) -> Option<Command> {

@@ -5,6 +5,7 @@ use crate::app::answer::details::{figures, known_decimals, position_error};
 use crate::app::answer::differing;
 use crate::app::answer::practice::{Against, Practices};
 use crate::app::plan::device::Device;
+use crate::app::plan::side_in_a_word;
 use crate::app::texts::{MOST_PRESSURE, fixed, mmhg, pressures, tr, word_of};
 use crate::app::widgets::theme::SPACE_SMALL;
 use crate::measure::{Outcome, Status, bands};
@@ -160,6 +161,9 @@ fn lines<'a>(
         let own = row.of(session.scene(), session.result(), practices);
         let of_own = sampled(session.scene());
         let mut cells = vec![row.cell(own.as_ref(), row.band(of_own, None))];
+        cells.extend(session.other_side().map(|other| {
+            row.cell(row.of(other.scene(), other.outcome(), practices).as_ref(), None)
+        }));
         for pin in session.pins() {
             let entry = row.of(pin.scene(), pin.outcome(), practices);
             let of_pin = sampled(pin.scene());
@@ -179,12 +183,18 @@ fn lines<'a>(
     ROWS.iter().map(line).collect()
 }
 
+/// The heads of the plan, and of the other side's where each side has one.
+fn heads(session: &Session) -> impl Iterator<Item = String> {
+    let sides = session.other_side().map(|other| [session.scene(), other.scene()]);
+    let plan = sides.is_none().then(|| tr("this plan").to_owned());
+    let sides = sides.into_iter().flatten().map(|scene| side_in_a_word(scene).to_owned());
+    plan.into_iter().chain(sides)
+}
+
 /// What differs beside the numbers, as lines: "Skin: this plan lax; A tight".
 fn words(session: &Session, device: Device) -> impl Iterator<Item = String> {
-    let heads: Vec<String> = [tr("this plan").to_owned()]
-        .into_iter()
-        .chain(session.pins().iter().map(|pin| pin.letter().to_string()))
-        .collect();
+    let pins = session.pins().iter().map(|pin| pin.letter().to_string());
+    let heads: Vec<String> = heads(session).chain(pins).collect();
     differing::rows(session, device).into_iter().map(move |(name, values)| {
         let values: Vec<String> =
             heads.iter().zip(values).map(|(head, value)| format!("{head} {value}")).collect();
@@ -201,7 +211,7 @@ pub(super) fn show<'a>(
     sampled: &dyn Fn(&Scene) -> Option<&'a Samples>,
     practices: &Practices,
 ) {
-    let mut heads = vec![(tr("this plan").to_owned(), String::new())];
+    let mut heads: Vec<_> = heads(session).map(|head| (head, String::new())).collect();
     for pin in session.pins() {
         let letter = pin.letter();
         heads.push((letter.to_string(), name_of(pin)));
@@ -257,10 +267,15 @@ pub(crate) fn rows<'a>(
             name => format!("{letter}: {name}"),
         }
     });
-    let head = [format!("{}{own}", tr("this plan"))].into_iter().chain(pins);
+    let mut plans: Vec<String> = heads(session).collect();
+    plans[0].push_str(&own);
+    let count = plans.len();
+    let head = plans.into_iter().chain(pins);
     let head = (String::new(), head.map(|text| [text, String::new()]).collect());
-    let is_printed: Vec<bool> =
-        [true].into_iter().chain(session.pins().iter().map(|pin| !is_equal(pin))).collect();
+    let is_printed: Vec<bool> = vec![true; count]
+        .into_iter()
+        .chain(session.pins().iter().map(|pin| !is_equal(pin)))
+        .collect();
     let is_number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || "−–".contains(c));
     let cell = |Cell { text, word, band }: Cell| {
         let band = band.map_or_else(String::new, |band| format!(" ({band})"));

@@ -34,7 +34,7 @@ impl ReportDialog {
     /// The dialog for a plan, with what the plan states.
     pub(crate) fn new(scene: &Scene) -> Self {
         let visit = scene.visit.clone().unwrap_or_default();
-        let is_side_fixed = scene.placement.is_some();
+        let is_side_fixed = scene.placement.is_some() || scene.other_side.is_some();
         Self { visit, side: scene.side, is_side_fixed, is_new: true }
     }
 

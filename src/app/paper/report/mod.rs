@@ -58,7 +58,7 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     let practices = &*practices;
     let figure = Figure {
         headline: answer::headline(session, practices, PreviousResults::Shown),
-        plan: plan::rows(session.scene(), device),
+        plan: plan::rows_of_sides(session.scene(), device),
         cards: cards((session, practices), device, uncertainty.of_cards(session.scene())),
         remarks: remarks(session, device),
         patient: plan::patient_in_words(session.scene()),
@@ -183,14 +183,14 @@ pub(crate) fn report(
         poses,
         pins,
         further,
-        implant: plan::implant_in_words(session.scene(), device),
+        implant: plan::implants_in_words(session.scene(), device),
         missing: missing.map(|how| device.words(how)),
         visit: plan::visit_in_words(session.scene()),
         running: running_head(session.scene()),
         origin: origin(),
         headline: answer::headline(session, practices, PreviousResults::Shown)
             + &volume_marks.largest_in_words(practices),
-        plan: plan::rows(session.scene(), device),
+        plan: plan::rows_of_sides(session.scene(), device),
         technical: [
             status::model(session.scene(), true),
             plan::poisson_ratios(session.scene()),

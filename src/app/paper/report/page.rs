@@ -33,8 +33,8 @@ pub(super) struct Page {
     pub(super) missing: Option<String>,
     /// The visit in one line, and the remarks; each may be empty.
     pub(super) visit: [String; 2],
-    /// The implant in a line.
-    pub(super) implant: String,
+    /// The implant in a line, or that of each side.
+    pub(super) implant: Vec<String>,
     /// The head of every page on paper.
     pub(super) running: String,
     /// Date, time and version in words.
@@ -97,7 +97,9 @@ impl Page {
             let blanks = names.map(|name| format!("{name}: <span></span>")).join(" ");
             let _ = write!(page, "<p class=\"blank\">{blanks}</p>");
         }
-        let _ = write!(page, "<p class=\"implant\">{}</p>", escaped(&self.implant));
+        for implant in &self.implant {
+            let _ = write!(page, "<p class=\"implant\">{}</p>", escaped(implant));
+        }
         put(page, "p", &self.headline);
         let _ = write!(page, "<p class=\"note\">{}</p>", escaped(tr(DISCLAIMER)));
         let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(&self.origin));
@@ -307,7 +309,7 @@ mod tests {
             poses: vec![picture("From the front", &[1, 2, 3], "")],
             pins: Some(picture("Pins", &[5], "")),
             further: vec![picture("Cross-section", &[4], &hostile)],
-            implant: hostile.clone(),
+            implant: vec![hostile.clone()],
             missing: Some(hostile.clone()),
             visit: [hostile.clone(), hostile.clone()],
             running: hostile.clone(),

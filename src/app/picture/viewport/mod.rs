@@ -25,7 +25,8 @@ pub(crate) use scan::{Dot, Touched};
 use crate::app::answer::practice::Practices;
 use crate::app::texts::tr;
 use crate::app::widgets::keep_press;
-use crate::scene::{Placement, Scene};
+use crate::body;
+use crate::scene::Scene;
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
@@ -127,7 +128,9 @@ pub(crate) struct Viewport {
     /// The built-in torso, once it is drawn.
     torso: Option<Rc<Torso>>,
     /// The bodies of scans, with the places of their scenes.
-    bodies: Vec<(Box<Placement>, Rc<Torso>)>,
+    bodies: Vec<torso::ScannedBody>,
+    /// The surface of the last scan, with its marks.
+    scan: Option<(body::marks::Marks, body::surface::Surface)>,
     /// The body of a scan that was shown last.
     scanned: Option<Rc<Torso>>,
     /// Place of the border between before and after, from the left \[-\].
@@ -193,6 +196,7 @@ impl Viewport {
             picture: Picture::default(),
             torso: None,
             bodies: Vec::new(),
+            scan: None,
             scanned: None,
             wipe: 0.5,
             panes: Vec::new(),

@@ -1,6 +1,7 @@
 //! The torso in place of the tissue, and the cameras before it.
 
 use super::{Options, Viewport};
+use crate::body::frame::Frame;
 use crate::body::surface::Surface;
 use crate::scene::{Placement, Scene};
 use crate::session::Session;
@@ -10,6 +11,13 @@ use std::rc::Rc;
 
 /// Number of bodies that are kept.
 const BODIES: usize = 8;
+
+/// The body of a scan as it is drawn for a place of a scene, and of its other side.
+pub(super) struct ScannedBody {
+    place: Box<Placement>,
+    frames: Vec<Frame>,
+    torso: Rc<Torso>,
+}
 
 /// The camera of a standard pose before a torso.
 pub(super) fn standing(torso: &Torso, aspect: f32, standing: Standing) -> Camera {
@@ -25,10 +33,12 @@ impl Viewport {
         }
         if let Some(placement) = &scene.placement {
             if let Some(kept) = &placement.surface {
-                self.add_body(placement, kept.surface());
+                self.add_body(scene, kept.surface());
             }
-            if let Some((_, body)) = self.bodies.iter().find(|(known, _)| known == placement) {
-                return Some(Rc::clone(body));
+            let frames = scene.frames();
+            let is_same = |body: &&ScannedBody| body.place == *placement && body.frames == frames;
+            if let Some(body) = self.bodies.iter().find(is_same) {
+                return Some(Rc::clone(&body.torso));
             }
         }
         if self.torso.is_none() {
@@ -37,16 +47,29 @@ impl Viewport {
         self.torso.clone()
     }
 
-    /// Keeps the surface on which scenes of a place lie.
-    pub(crate) fn add_body(&mut self, placement: &Placement, surface: &Surface) {
-        if self.bodies.iter().any(|(known, _)| **known == *placement) {
+    /// Keeps the surface on which a scene lies, that of its scan before a reduced one.
+    pub(crate) fn add_body(&mut self, scene: &Scene, surface: &Surface) {
+        let Some(placement) = &scene.placement else { return };
+        let frames = scene.frames();
+        if self.bodies.iter().any(|body| body.place == *placement && body.frames == frames) {
             return;
         }
-        if self.bodies.len() == BODIES {
-            self.bodies.remove(0);
+        let of_scan = self.scan.as_ref().filter(|(marks, _)| *marks == placement.marks);
+        let surface = of_scan.map_or(surface, |(_, surface)| surface);
+        if let Some(torso) = Torso::of_body(surface, &frames, &placement.marks) {
+            if self.bodies.len() == BODIES {
+                self.bodies.remove(0);
+            }
+            let (place, torso) = (placement.clone(), Rc::new(torso));
+            self.bodies.push(ScannedBody { place, frames, torso });
         }
-        if let Some(body) = Torso::of_body(surface, &placement.frame(), &placement.marks) {
-            self.bodies.push((Box::new(placement.clone()), Rc::new(body)));
+    }
+
+    /// Keeps the surface of a scan, the last one, for all plans on its marks.
+    pub(crate) fn keep_scan(&mut self, scene: &Scene, surface: &Surface) {
+        if let Some(placement) = &scene.placement {
+            self.scan = Some((placement.marks, surface.clone()));
+            self.add_body(scene, surface);
         }
     }
 

@@ -71,7 +71,7 @@ impl<'a> Body<'a> {
     /// The file of the surface over the implant, and the line of its measures before and after.
     pub(super) fn after(&self, solution: &Solution, implant_ml: f64) -> (File, String) {
         let deformed = deform(&self.surface, &self.frame, solution);
-        let marks = deform_marks(&self.marks, &self.frame, solution);
+        let marks = deform_marks(&self.marks, &[(self.frame, solution)]);
         let settings = Settings { cover_mm: self.cover_mm, ..Settings::default() };
         let bodies = [(&self.surface, &self.marks), (&deformed, &marks)];
         let fitted = fit(&self.surface, &self.marks, self.side, &settings);
