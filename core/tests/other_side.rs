@@ -1,6 +1,7 @@
 //! Plans of their own for both sides: in files, in the session, solved once each.
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
+#![allow(clippy::float_cmp, reason = "numbers of a file hold to the last bit")]
 
 use glam::DVec3;
 use implant_preview_core::body::before_after::{Before, Row};
@@ -109,14 +110,14 @@ fn each_side_is_solved_once_and_keeps_its_shape_when_the_sides_are_exchanged() {
     assert_eq!(session.counters().solves, 1);
     let left = session.solution().clone();
     let other = |session: &Session| session.other_side().unwrap().fields().unwrap().clone();
-    assert!(std::sync::Arc::ptr_eq(other(&session).solution(), &left));
+    assert!(Arc::ptr_eq(other(&session).solution(), &left));
     // The right side alone is edited.
     edit(&mut session, 2, |scene| scene.set_side(Some(Side::Right)));
     assert!(session.scene().is_right() && !session.is_working());
     edit(&mut session, 3, |scene| scene.implant.projection_mm += 6.0);
     solve(&mut session);
     assert_eq!(session.counters().solves, 2);
-    assert!(std::sync::Arc::ptr_eq(other(&session).solution(), &left));
+    assert!(Arc::ptr_eq(other(&session).solution(), &left));
     let right = session.solution().clone();
     let [outcome, of_other] =
         [session.result().unwrap(), session.other_side().unwrap().outcome().unwrap()];
@@ -124,8 +125,8 @@ fn each_side_is_solved_once_and_keeps_its_shape_when_the_sides_are_exchanged() {
     // Exchanged, each side has its shape without a solve.
     edit(&mut session, 4, |scene| scene.set_side(Some(Side::Left)));
     solve(&mut session);
-    assert!(std::sync::Arc::ptr_eq(session.solution(), &left));
-    assert!(std::sync::Arc::ptr_eq(other(&session).solution(), &right));
+    assert!(Arc::ptr_eq(session.solution(), &left));
+    assert!(Arc::ptr_eq(other(&session).solution(), &right));
     assert_eq!(session.counters().solves, 2);
     // The skin is that of both sides.
     edit(&mut session, 5, |scene| {

@@ -25,7 +25,9 @@ use std::sync::Arc;
 /// Volume of the drawn breast of the built-in torso before the operation \[ml\]: the tissue over the implant is that of the plan.
 const VOLUME_ML: f64 = 130.0;
 /// From the notch to the nipple of that breast on the trunk as it is stored \[mm\].
-const NOTCH_NIPPLE_MM: f64 = 201.6;
+const NOTCH_NIPPLE_MM: f64 = 197.1;
+/// Between the nipples \[mm\]: the mean of 54 young women is 203 mm, the stored trunk has 226 mm.
+const NIPPLE_NIPPLE_MM: f64 = 206.0;
 /// Distance from the fitted skin within which a vertex is skin of the breast's side, not of flank or arm, and its end \[mm\].
 const NEAR_MM: [f64; 2] = [15.0, 30.0];
 /// The second coordinate on the net of a vertex without net, less the part of the colour of a quantity in its colour, 0 to 1; the first
@@ -103,8 +105,12 @@ impl Torso {
     /// The built-in torso; `None` if no chest is found under its breast, which no built-in torso has.
     #[must_use]
     pub fn new() -> Option<Self> {
-        let tape =
-            Tape { breast_volume_ml: VOLUME_ML, notch_nipple_mm: NOTCH_NIPPLE_MM, ..Tape::OWN };
+        let tape = Tape {
+            breast_volume_ml: VOLUME_ML,
+            notch_nipple_mm: NOTCH_NIPPLE_MM,
+            nipple_nipple_mm: NIPPLE_NIPPLE_MM,
+            ..Tape::OWN
+        };
         let (body, _) = torso::shaped(&tape).ok()?;
         let settings = Settings::default();
         let own = fit(&body.surface, &body.marks, Side::Left, &settings).ok()?;

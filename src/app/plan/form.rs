@@ -341,7 +341,7 @@ mod tests {
             ("chest", "square", "Chest: allowed: flat, usual, round"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             ("height", "3", &no_field),
-            ("side", "up", "Side: allowed: left, right, both, not said"),
+            ("side", "up", "Side: allowed: left, right, both, each own, not said"),
             (
                 "date",
                 "31.1.26",

@@ -10,7 +10,7 @@ use eframe::egui::{RichText, Ui};
 /// One plan for both breasts, and one for each: states of one chip.
 const BOTH: (&str, &str) =
     ("both alike", "One plan for both breasts; pressed again, each breast has a plan of its own");
-const OWN: (&str, &str) = (
+pub(super) const OWN: (&str, &str) = (
     "each own",
     "A plan for each breast: implant, pocket, pinch and base are those of the chosen side, all else is that of both",
 );

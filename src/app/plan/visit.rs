@@ -2,9 +2,10 @@
 
 use super::date::read_date;
 use super::field::{Field, Values};
+use super::side::OWN;
 use super::{Hand, chip, named, side};
 use crate::app::frame::files;
-use crate::app::texts::tr;
+use crate::app::texts::{shown, tr};
 use crate::app::widgets::theme::{self, SPACE};
 use crate::app::widgets::{characters_left, field_frame, kept_lines, rejection_label, remark};
 use crate::scene::visit::{MAX_REFERENCE, MAX_REMARK_LINES, MAX_REMARKS, MAX_SURGEON};
@@ -99,7 +100,8 @@ pub(super) fn form_fields(scene: &Scene) -> [Field; 5] {
     let visit = scene.visit.clone().unwrap_or_default();
     let text = |characters, lines| Values::Text { characters, lines };
     let side = scene.side.map_or(NOT_SAID, Side::word).to_owned();
-    let choices: Vec<&str> = Side::ALL.map(Side::word).into_iter().chain([NOT_SAID]).collect();
+    let others = [OWN.0, NOT_SAID];
+    let choices: Vec<&str> = Side::ALL.map(Side::word).into_iter().chain(others).collect();
     let words = choices.iter().map(|word| tr(word)).collect();
     [
         ("reference", tr("Patient no."), visit.reference, text(MAX_REFERENCE, 1)),
@@ -138,10 +140,17 @@ pub(super) fn set_form_field(
     match name {
         "reference" => now.reference = typed(MAX_REFERENCE, 1),
         "side" => {
+            if text.trim() == OWN.0 {
+                return Some(scene.add_other_side().map_err(|error| shown(&error.to_string())));
+            }
             let side = Side::ALL.into_iter().find(|side| side.word() == text.trim());
             if side.is_none() && text.trim() != NOT_SAID {
                 let words = Side::ALL.map(Side::word).join(", ");
-                return Some(Err(tr!("Side: allowed: {words}, {none}", words, none = NOT_SAID)));
+                return Some(Err(tr!(
+                    "Side: allowed: {words}, {none}",
+                    words,
+                    none = [OWN.0, NOT_SAID].join(", ")
+                )));
             }
             scene.set_side(side);
             return Some(Ok(()));
