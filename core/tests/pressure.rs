@@ -58,3 +58,17 @@ fn the_mean_on_coarse_grids_is_that_of_fine_ones() {
     bounds(Scene::opening(), [25.0, 30.0], 129, [0.055, 0.04]);
     bounds(Scene::opening(), [38.0, 40.0], 129, [0.11, 0.045]);
 }
+
+/// Nodes beyond the disc have no area, and the coarsest grids have them near the contact's edge.
+#[test]
+fn the_coarsest_grids_have_a_mean_as_well() {
+    for (scene, from) in [(Scene::sheet(), 5.0), (Scene::opening(), 5.0)] {
+        let steps = (0..10).map(|k| from + 4.0 * f64::from(k));
+        for case in cases(&scene, 17, steps) {
+            let of = |quantity| case.values.get(quantity);
+            let mean = of(Quantity::MeanPressureKpa);
+            let greatest = of(Quantity::GreatestPressureKpa);
+            assert!(mean > Some(0.0) && mean <= greatest, "{mean:?} {greatest:?}");
+        }
+    }
+}

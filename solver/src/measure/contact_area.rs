@@ -30,7 +30,9 @@ pub(super) struct Contacted<'a> {
 impl Contacted<'_> {
     /// The area in contact \[mm²\].
     pub(super) fn total(&self) -> f64 {
-        let pressure: Vec<f64> = self.force.iter().zip(self.area).map(|(f, a)| f / a).collect();
+        // A node beyond the sheet has no area.
+        let of_node = |(force, area): (&f64, &f64)| if *force > 0.0 { force / area } else { 0.0 };
+        let pressure: Vec<f64> = self.force.iter().zip(self.area).map(of_node).collect();
         let touching = self.of_box(2, |own, around| {
             let (sum, squares) = around.fold((0.0, 0.0), |(sum, squares), (k, _)| {
                 (sum + pressure[k], squares + pressure[k] * pressure[k])
