@@ -100,6 +100,12 @@ impl Weights {
         self.share
     }
 
+    /// The part of the displacement near the patch's edge, along the wall \[-\].
+    #[must_use]
+    pub fn fade(&self) -> f64 {
+        self.fade
+    }
+
     /// The value at the point of values at the nodes of the skin; `None` without values.
     #[must_use]
     pub fn value(&self, values: &[f32]) -> Option<f32> {

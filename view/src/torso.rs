@@ -37,8 +37,9 @@ const NO_NET: f32 = -1.0;
 const NO_NIPPLE: f32 = 1e6;
 /// Width at the patch's border over which the colour of a quantity becomes that of the skin \[mm\].
 const FADE_MM: f64 = 25.0;
-/// Share of a column's height between which the colour of the skin comes to show \[-\].
-const SKIN_SHARE: [f64; 2] = [0.8, 0.9];
+/// Share of a column's height between which the colour of the skin comes to show \[-\]: where the body leaves the fitted skin, at the flank, a narrower range
+/// would be ragged from vertex to vertex.
+const SKIN_SHARE: [f64; 2] = [0.6, 0.9];
 /// The part of the built-in torso's extent that a camera shows \[-\].
 const SHOWN: f32 = 0.52;
 /// The radius that a camera shows over the distance from notch to navel \[-\]: that of the built-in torso.
@@ -74,6 +75,8 @@ struct Point {
     place: DVec3,
     /// The part of the displacement that it takes \[-\].
     share: f64,
+    /// Is its side's pocket the nearest one? It takes the colour of a quantity from that side.
+    is_nearest: bool,
 }
 
 /// How the vertices of a body move with the columns of a tissue at rest.
@@ -127,13 +130,20 @@ impl Torso {
                 let apart = (place.z - own.grid.value(&own.skin_mm, over)).abs();
                 let share = smooth_step((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0]));
                 let is_within = over.length() < reach && share > 0.0;
-                is_within.then_some(Point { vertex: k as u32, side, place, share })
+                is_within.then_some(Point {
+                    vertex: k as u32,
+                    side,
+                    place,
+                    share,
+                    is_nearest: true,
+                })
             };
             torso.points.extend(body.surface.positions.iter().enumerate().filter_map(of));
             let turn = DMat3::from_diagonal(hand) * own.frame.axes;
             torso.turns.push(frame.axes.transpose() * turn);
         }
         torso.is_skin = true;
+        torso.find_nearest();
         Some(torso)
     }
 
@@ -151,10 +161,12 @@ impl Torso {
                 side,
                 place: fitted.local(*at),
                 share: 1.0,
+                is_nearest: true,
             };
             torso.points.extend(surface.positions.iter().enumerate().map(of));
             torso.turns.push(frame.axes.transpose() * fitted.axes);
         }
+        torso.find_nearest();
         let [notch, navel] = [marks.sternal_notch, marks.navel].map(|at| frame.local(at).as_vec3());
         // The trunk of a whole body.
         torso.radius_mm = torso.radius_mm.min(SHOWN_OF_TRUNK * notch.distance(navel));
@@ -206,6 +218,19 @@ impl Torso {
         }
     }
 
+    /// Finds for each vertex the side whose pocket is the nearest one.
+    fn find_nearest(&mut self) {
+        let mut nearest = vec![f64::INFINITY; self.before.vertices.len()];
+        let far = |point: &Point| point.place.truncate().length();
+        for point in &self.points {
+            let least = &mut nearest[point.vertex as usize];
+            *least = least.min(far(point));
+        }
+        for point in &mut self.points {
+            point.is_nearest = far(point) <= nearest[point.vertex as usize];
+        }
+    }
+
     /// What a camera shows, its middle, and the angle of the front about the axis towards the head \[radians\].
     #[must_use]
     pub fn seen(&self) -> (Ball, Vec3, f32) {
@@ -236,7 +261,7 @@ impl Torso {
         let columns = Columns::new(problem);
         let border = problem.sheet().radius_mm();
         let of = |point: &Point| {
-            let Point { vertex, side, place, share } = *point;
+            let Point { vertex, side, place, share, is_nearest } = *point;
             let over = place.truncate();
             let weights = match self.is_skin {
                 true => columns.over(over),
@@ -244,7 +269,10 @@ impl Torso {
             }?;
             let [low, high] = SKIN_SHARE;
             let on_skin = smooth_step((weights.share() - low) / (high - low));
-            let part = share * on_skin * smooth_step((border - over.length()) / FADE_MM);
+            // Along a curved wall the patch ends before its radius over the plane.
+            let near_border = weights.fade() * smooth_step((border - over.length()) / FADE_MM);
+            let is_coloured = is_nearest || only == Some(0) && of_side.is_none();
+            let part = if is_coloured { share * on_skin * near_border } else { 0.0 };
             Some(Moved { vertex, side, weights, share, part: part as f32 })
         };
         let own = self.points.iter().filter(|point| only.is_none_or(|side| point.side == side));
@@ -308,7 +336,6 @@ impl Torso {
                 }
                 None => value(fields),
             };
-            // Where both patches overlap, that of the nearer pocket counts.
             if let Some(value) = value.filter(|_| moved.part > NO_NET - own[7]) {
                 (own[7], own[8]) = (NO_NET - moved.part, value);
             }
@@ -497,6 +524,20 @@ mod tests {
                 assert!(a.distance(b) < 1e-4, "{side} {a} {b}");
             }
         }
+        // Where both patches overlap, a vertex has the colour of the nearer pocket's side.
+        let coloured = |fields: [&Fields; 2]| {
+            let attached = [0, 1].map(|k| torso.attached(fields[k].solution().problem(), Some(k)));
+            let shape =
+                |k: usize| Shape { attached: &attached[k], fields: fields[k], toward: None };
+            torso.mesh(&[shape(0), shape(1)], Some(Field::PrincipalStrain), Vec::new()).vertices
+        };
+        let (mixed, of_small) = (coloured([&small, &large]), coloured([&small, &small]));
+        let on_left = |k: usize| position(&torso.before.vertices[k]).x > torso.middle.x + 1.0;
+        let left: Vec<usize> = (0..mixed.len()).filter(|k| on_left(*k)).collect();
+        let has_small = |k: &&usize| mixed[**k][8].to_bits() == of_small[**k][8].to_bits();
+        assert!(left.iter().all(|k| has_small(&k)) && left.len() > 1000, "{}", left.len());
+        let differing = (0..mixed.len()).filter(|k| !has_small(&k)).count();
+        assert!(differing > 500, "{differing}");
         // Of her own body a plan of one side moves that side alone.
         let torso::Torso { surface, marks } = torso::builtin();
         let settings = Settings::default();
