@@ -3,7 +3,7 @@
 //! Draping counts heights from the wall up and keeps volume and heights. Insertion t raises the dome: its base is at z₀ = (t − 1)·p above the wall, its
 //! apex at t·p, p the projection. The gauge is negative inside and zero on the surface.
 
-use super::shape::{Draped, Near, Shape, ShapeGauge};
+use super::shape::{Draped, Modes, Near, Shape, ShapeGauge};
 use crate::mesh::Chest;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
@@ -105,7 +105,7 @@ impl Dome {
     /// The length that tolerances and errors are relative to \[mm\]: half of the base's width, of a round implant the base radius.
     #[must_use]
     pub fn reference_length(&self) -> f64 {
-        self.shape.half_axes().x
+        self.shape.reference_length()
     }
 
     /// The dome in another unit of length.
@@ -117,6 +117,26 @@ impl Dome {
             base_height: self.base_height * factor,
             chest: self.chest.scaled(factor),
         }
+    }
+
+    /// The dome with other numbers of its deformation; as it is unless it yields.
+    pub(crate) fn set_modes(&mut self, modes: Modes<f64>) {
+        self.shape.set_modes(modes);
+    }
+
+    /// Derivatives of the gauge at a fixed point by the numbers of the deformation; zero unless the dome yields.
+    pub(crate) fn variation(&self, point: DVec3) -> Modes<f64> {
+        let draped = self.draped::<f64>();
+        draped.variation(&draped.near(point.to_array()))
+    }
+
+    /// The way of a point near the surface that follows the dome from its shape before, the length of the gauge from the surface to
+    /// which it follows in part being given \[-\].
+    pub(crate) fn way_after(&self, before: &Self, point: DVec3, within: f64) -> DVec3 {
+        let draped = self.draped::<f64>();
+        let near = draped.near(point.to_array());
+        let share = (1.0 - (near.length - 1.0) / within).clamp(0.0, 1.0);
+        DVec3::from(draped.way_after(&before.shape.gauge(), &near)) * share
     }
 
     /// The dome lowered until a part of its height is above the wall.

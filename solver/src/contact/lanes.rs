@@ -2,14 +2,17 @@
 //!
 //! Displacements from `rest` are in spacings of a grid; coordinates count from the grid's centre. A length is the dome's gauge plus one: one on the surface.
 
-use super::shape::{Draped, Near, ShapeGauge};
-use super::{Obstacle, TOUCH_F32, wall};
+use super::shape::{Draped, Near, Shape, ShapeGauge};
+use super::{Modes, Obstacle, TOUCH_F32, wall};
 use crate::mesh::height_field::HeightField;
 use crate::mesh::vec3::{Block, Vec3, add, dot, sub, times};
 use wide::f32x4;
 
 /// The greatest move of a node in one step \[grid spacings, along each axis\].
 pub(crate) const MAX_STEP: f32 = 0.5;
+
+/// Gauge plus one up to which a node follows an implant that yields in part \[-\].
+const FOLLOWING: f32 = 1.3;
 
 /// A dome and a wall in spacings of a grid, about the grid's centre.
 #[derive(Clone, Debug)]
@@ -31,6 +34,46 @@ impl LaneObstacle {
     /// Of an obstacle in grid spacings.
     pub(crate) fn new(Obstacle { dome, wall }: &Obstacle) -> Self {
         Self { dome: dome.draped(), wall: wall.0.heights() }
+    }
+
+    /// Replaces the implant's shape in its place; returns the gauge before.
+    pub(crate) fn reshape(&mut self, shape: &Shape) -> ShapeGauge<f32x4> {
+        self.dome.reshape(shape)
+    }
+
+    /// Derivatives of the gauge of four nodes by the numbers of the implant's deformation, the reactions per gradient to a force on
+    /// them, and the squared length of the gradient. A node beside the surface, as after mixing, has the reaction that is left when its
+    /// own compliance closes the gap; none if it is negative.
+    pub(crate) fn work(
+        &self,
+        nodes: &Near<f32x4>,
+        height: f32x4,
+        force: Vec3,
+        compliance: Block,
+        touching: f32x4,
+    ) -> (Modes<f32x4>, f32x4, f32x4) {
+        let g = nodes.gradient;
+        let force = if self.wall.is_flat() {
+            force
+        } else {
+            wall::unsupported(Some(&nodes.ground), height, force, |normal| normal)
+        };
+        let square = dot(g, g);
+        let gap = (nodes.length - touching).fast_max(f32x4::ZERO);
+        let yielding = dot(g, times(compliance, g));
+        let pressing = -dot(force, g) / square - gap / yielding.fast_max(f32x4::splat(1e-30));
+        let is_movable = compliance[0].simd_gt(f32x4::ZERO);
+        let pressing = is_movable.bitselect(pressing.fast_max(f32x4::ZERO), f32x4::ZERO);
+        (self.dome.variation(nodes), pressing, square)
+    }
+
+    /// The displacements of nodes that follow the implant from its shape before: wholly on its surface, less and less up to a distance.
+    pub(crate) fn following(&self, before: &ShapeGauge<f32x4>, rest: Vec3, at: Vec3) -> Vec3 {
+        let near = self.nodes(rest, at);
+        let share = (f32x4::splat(FOLLOWING) - near.length) * (1.0 / (FOLLOWING - 1.0));
+        let share = share.fast_max(f32x4::ZERO).fast_min(f32x4::ONE);
+        let way = self.dome.way_after(before, &near);
+        [0, 1, 2].map(|a| at[a] + way[a] * share)
     }
 
     /// Four nodes at their positions at rest and displacements.

@@ -20,7 +20,8 @@ pub use dome::Dome;
 pub use obstacle::Obstacle;
 #[cfg(test)]
 pub(crate) use shape::superellipse::Superellipse;
-pub use shape::{Geometry, HALF_ELLIPSOID, HalfBall, Shape};
+pub(crate) use shape::{Balance, Gel, MODES, Modes, ShapeGauge};
+pub use shape::{Deformed, Geometry, HALF_ELLIPSOID, HalfBall, Shape, SoftHalfBall};
 pub use wall::Wall;
 
 /// Distance from dome or wall up to which a node of a solution is in contact \[base radius\]: well above the

@@ -4,7 +4,7 @@
 //! contact edge is located between nodes, from the opening gap. The only input is a [`Solution`].
 //!
 //! `outcome` (the fields of a result) | `layers` (stresses) | `contact` (pressure, edge), `contact_area` (between the nodes) | `profile` | `fields` (nodal fields, computed on demand) |
-//! `selection` (the fields asked for) | `column` (of a table of results) | `wrinkles` (state of skin that wrinkles) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
+//! `in_body` (an implant that yields) | `selection` (the fields asked for) | `column` (of a table of results) | `wrinkles` (state of skin that wrinkles) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.
 
@@ -13,6 +13,7 @@ mod column;
 mod contact;
 mod contact_area;
 mod fields;
+mod in_body;
 pub(crate) mod layered;
 mod layers;
 mod outcome;
@@ -25,6 +26,7 @@ pub use crate::model::membrane::deformation::Deformation;
 pub use crate::model::membrane::stack::Stack;
 pub use column::{Column, ColumnError, Kind};
 pub use fields::{Field, Fields};
+pub use in_body::{ImplantInBody, Yielded};
 pub use layered::{Cover, SkinArea, Thickness, Traction};
 pub use outcome::{
     AddedStrains, LayerOutcome, Outcome, PatientValue, Pressure, ProfilePoint, SolverMethod,
@@ -212,6 +214,7 @@ impl Outcome {
             contact_pressure_mmhg: None,
             projection_mm: None,
             skin_projection_mm: None,
+            implant_in_body: None,
             implant_volume_ml: problem.obstacle.dome.volume() / 1000.0,
             implant_reference: String::new(),
             area_before_cm2: pocket_area / 100.0,
@@ -323,6 +326,8 @@ impl Outcome {
         let solution = fields.solution();
         let dome = &solution.problem().obstacle.dome;
         self.projection_mm = Some(dome.top());
+        self.implant_in_body =
+            selection.wants("implant_in_body").then(|| in_body::of(solution)).flatten();
         if !selection.wants_any(&OF_CONTACT) {
             return;
         }

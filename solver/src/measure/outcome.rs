@@ -1,5 +1,6 @@
 //! The result of a scene: its fields, as in files.
 
+use super::in_body::ImplantInBody;
 use super::layered::{Cover, SkinArea, Thickness, Traction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,6 +46,9 @@ pub struct Outcome {
     /// Height of the outer skin surface over the implant's tip above the wall \[mm\]: of layered tissue `projection_mm` and the cover
     /// over the tip.
     pub skin_projection_mm: Option<f64>,
+    /// The implant in the body, if it yields: its height beside the catalogue's projection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub implant_in_body: Option<ImplantInBody>,
     /// Volume of the whole implant, the fullness (⅔ unless stated) times π a b p \[ml\].
     pub implant_volume_ml: f64,
     /// The maker's name of the implant's size, as in the scene; empty and absent without one.

@@ -76,6 +76,9 @@ pub(crate) trait ElasticModel {
     ) {
     }
 
+    /// The stiffness at small strain \[kPa·mm\]: the unit of stresses times lengths.
+    fn stiffness(&self) -> f64;
+
     /// Does the model support contact offsets? Without offsets contact ends at the last active node.
     fn has_contact_offsets(&self) -> bool;
 }

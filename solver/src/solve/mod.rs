@@ -7,7 +7,8 @@
 //!
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
-//! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves).
+//! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves) |
+//! `yielding` (an implant that yields).
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
@@ -27,6 +28,7 @@ pub(crate) mod reactions;
 pub(crate) mod samples;
 mod solution;
 pub mod validity;
+mod yielding;
 
 pub use problem::{Method, Options, Problem, Progress, Tissue};
 pub use reactions::Reactions;
@@ -59,6 +61,8 @@ pub struct Solver {
     growths: growth::Growths,
     /// Work of Newton's method before the skin grew \[see [`Report::work_units`]\].
     newton_work_before_growth: f64,
+    /// Steps of the numbers of an implant that yields, between solutions by Newton's method.
+    balances: u32,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
     /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
@@ -116,6 +120,7 @@ impl Solver {
             attempts: 1,
             growths: growth::Growths::default(),
             newton_work_before_growth: 0.0,
+            balances: 0,
             displayed: Displayed::Previous,
             kept: None,
             revision: 0,
@@ -201,6 +206,7 @@ impl Solver {
         self.attempts = 1;
         self.growths = growth::Growths::default();
         self.newton_work_before_growth = 0.0;
+        self.balances = 0;
         self.invalid = None;
         self.displayed = Displayed::Previous;
         self.kept = None;
@@ -311,6 +317,7 @@ impl Solver {
 
     /// Displays the multigrid solution; false, and no change, if the solution is invalid.
     fn display_multigrid(&mut self, displayed: Displayed) -> bool {
+        self.deform_as_multigrid();
         let Some(multigrid) = &self.multigrid else { return false };
         if multigrid.invalid(&self.problem).is_some() {
             return false;
@@ -434,6 +441,7 @@ impl Solver {
                 self.invalid = Some(Invalid::Penetrated);
                 self.end(Verdict::Unstable);
             }
+            (newton::State::Converged, None) if self.rebalance() => {}
             (newton::State::Converged, None) => self.grow_or_end(),
             (newton::State::Converged | newton::State::Stalled, _) => {
                 self.end(Verdict::NotConverged);

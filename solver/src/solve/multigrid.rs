@@ -7,6 +7,7 @@ use super::fas::{
 };
 use super::problem::Tissue;
 use super::validity::Invalid;
+use crate::contact::Modes;
 use crate::mesh::lanes::Mirrored;
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::lanes::Layered;
@@ -197,6 +198,11 @@ impl Multigrid {
 
     pub(super) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
         delegate!(self, scheme => scheme.invalid(problem))
+    }
+
+    /// See [`FullMultigrid::modes`].
+    pub(super) fn modes(&self) -> Option<Modes<f64>> {
+        delegate!(self, scheme => scheme.modes())
     }
 
     /// Writes the positions \[mm\] of the inner face and of the layers of nodes above.

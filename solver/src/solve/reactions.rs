@@ -1,6 +1,7 @@
 //! The dome's forces on the inner face, from the balance of forces at active nodes.
 
 use super::Solution;
+use super::yielding::Work;
 use crate::contact::TOUCH;
 use crate::contact::active_set::LEAST_SPREAD;
 use crate::mesh::NodeKind;
@@ -49,6 +50,20 @@ impl PartReactions {
         // Forces of mirror images cancel along the mirrored axis.
         let [x, y] = self.part.first().map(|first| if first > 0 { 0.0 } else { 1.0 });
         sum * DVec3::new(x, y, 1.0)
+    }
+
+    /// Work of the forces by the numbers of the deformation of an implant that yields.
+    pub(super) fn work(&self, solution: &Solution) -> Work {
+        let (dome, x) = (&solution.problem().obstacle.dome, solution.inner());
+        let mut work = Work::default();
+        for (index, k) in
+            self.part.nodes().enumerate().filter(|(index, _)| self.force[*index] > 0.0)
+        {
+            let steepness = dome.gauge_gradient(x[k]).length();
+            let force = self.part.multiplicity(k) * self.force[index];
+            work.add(force / steepness, steepness, dome.variation(x[k]));
+        }
+        work
     }
 
     pub(super) fn on_grid(&self) -> Reactions {

@@ -4,6 +4,7 @@ use super::multigrid::Law;
 use super::problem::{Method, Problem};
 use super::reactions::{self, PartReactions, Reactions};
 use super::validity::Invalid;
+use crate::contact::SoftHalfBall;
 use crate::mesh::lanes::Mirrored;
 use crate::mesh::part::Part;
 use crate::mesh::{Grown, NodeKind};
@@ -127,6 +128,9 @@ pub struct Record {
     /// What has grown of the skin, numbers of its triangles \[-\]; empty without growth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub grown: Vec<f32>,
+    /// The numbers of the deformation of an implant that yields.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub implant: Option<[f64; 6]>,
     /// Method, status, work and accuracy.
     pub report: Report,
 }
@@ -166,6 +170,9 @@ impl Solution {
             let grown = Grown::of_numbers(cells, &record.grown)?;
             problem.rest = problem.rest.with_grown(Some(grown));
         }
+        if let Some(modes) = record.implant {
+            problem.obstacle.dome.set_modes(modes);
+        }
         let positions = |layer: Vec<[f64; 3]>| layer.into_iter().map(DVec3::from).collect();
         let shape = Shape {
             inner: positions(record.inner),
@@ -184,7 +191,7 @@ impl Solution {
             offset_nodes: self.offset_nodes().iter().map(|(k, x)| (*k, x.to_array())).collect(),
             outer: self.shape.outer.iter().map(|layer| arrays(layer)).collect(),
             mirrored: self.shape.mirrored,
-            grown: self.problem.rest.grown().map(Grown::numbers).unwrap_or_default(),
+use crate::contact::SoftHalfBall;
             report: self.report.clone(),
         }
     }

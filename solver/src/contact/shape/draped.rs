@@ -1,6 +1,7 @@
 //! A shape in place: moved to its centre and draped over the wall, so that volume and heights stay.
 
 use super::traits::Gauge;
+use super::{Modes, Shape, ShapeGauge};
 use crate::mesh::height_field::{Ground, HeightField};
 use crate::mesh::vec3::{Block, add, sub};
 use crate::number::Real;
@@ -12,6 +13,28 @@ pub(crate) struct Draped<R, G> {
     /// Centre of the base: a place, and a height above the wall.
     center: [R; 3],
     wall: HeightField<R>,
+}
+
+impl<R: Real> Draped<R, ShapeGauge<R>> {
+    /// Replaces the shape in its place; returns the gauge before.
+    pub(crate) fn reshape(&mut self, shape: &Shape) -> ShapeGauge<R> {
+        std::mem::replace(&mut self.gauge, shape.gauge())
+    }
+
+    /// Derivatives of the length of a point by the numbers of the shape's deformation.
+    pub(crate) fn variation(&self, near: &Near<R>) -> Modes<R> {
+        self.gauge.variation(near.position)
+    }
+
+    /// The way of a point with the body from its deformation before.
+    pub(crate) fn way_after(&self, before: &ShapeGauge<R>, near: &Near<R>) -> [R; 3] {
+        let mut way = self.gauge.way_after(before, near.position);
+        if !self.wall.is_flat() {
+            let place = self.place(add(near.position, way));
+            way[2] += self.wall.at(place).height - near.ground.height;
+        }
+        way
+    }
 }
 
 /// A point beside the surface.
@@ -131,7 +154,7 @@ impl<R: Real, G: Gauge<R>> Draped<R, G> {
 #[cfg(test)]
 mod tests {
     use super::super::superellipse::Superellipse;
-    use super::super::{HalfBall, Shape, ShapeGauge};
+    use super::super::{Deformed, HalfBall};
     use super::*;
     use crate::mesh::vec3::times;
     use crate::mesh::{Chest, HeightGrid};
@@ -154,7 +177,11 @@ mod tests {
                 let filled = [0.55, 0.6, 0.75, 0.8].map(|fullness| plain.filled(fullness));
                 [plain].into_iter().chain(filled)
             })
-            .map(Shape::from)
+            .flat_map(|shape| {
+                let mut soft = Deformed::at_rest(shape, 20.0);
+                soft.modes = [0.12, -0.1, 0.06, 0.05, 0.06, -0.1];
+                [Shape::from(shape), soft.into()]
+            })
             .chain([Superellipse { radius: 24.0, projection: 17.0 }.into()])
             .flat_map(|shape| {
                 [&Chest::Flat, &radii, &grid]

@@ -1,9 +1,10 @@
 //! Shapes of implants, and a shape in place.
 //!
 //! `traits` (what a shape is: sizes and lines in f64; its gauge in f64 and for four f32 at a time) | `half_ball` (round and anatomical implants of
-//! any fullness) | `draped` (the map from a shape to its place over the wall). A further shape is a file with both traits
-//! and its line in the list [`shapes!`].
+//! any fullness) | `deformed` (a shape that yields) | `draped` (the map from a shape to its place over the wall). A further shape is a file with both
+//! traits and its line in the list [`shapes!`].
 
+mod deformed;
 mod draped;
 mod half_ball;
 #[cfg(test)]
@@ -12,6 +13,9 @@ mod traits;
 
 use crate::mesh::vec3::Block;
 use crate::number::Real;
+pub use deformed::Deformed;
+use deformed::DeformedGauge;
+pub(crate) use deformed::{Balance, Gel, MODES, Modes};
 pub(super) use draped::{Draped, Near};
 use half_ball::HalfBallGauge;
 pub use half_ball::{HALF_ELLIPSOID, HalfBall};
@@ -84,8 +88,13 @@ macro_rules! shapes {
     };
 }
 
+/// A half-ball's image that yields.
+pub type SoftHalfBall = Deformed<HalfBall>;
+type SoftHalfBallGauge<R> = DeformedGauge<R, HalfBallGauge<R>>;
+
 shapes! {
     HalfBall with HalfBallGauge;
+    SoftHalfBall with SoftHalfBallGauge;
     #[cfg(test)]
     Superellipse with SuperellipseGauge;
 }
@@ -96,8 +105,41 @@ impl Shape {
     pub fn half_ball(&self) -> Option<HalfBall> {
         match self {
             Self::HalfBall(own) => Some(*own),
-            #[allow(unreachable_patterns, reason = "another shape is in the tests only")]
             _ => None,
+        }
+    }
+
+    /// The shape as one that yields, if it is one.
+    #[must_use]
+    pub fn soft(&self) -> Option<&SoftHalfBall> {
+        match self {
+            Self::SoftHalfBall(own) => Some(own),
+            _ => None,
+        }
+    }
+
+    /// Sets the numbers of the deformation of a shape that yields.
+    pub(crate) fn set_modes(&mut self, modes: Modes<f64>) {
+        if let Self::SoftHalfBall(own) = self {
+            own.modes = modes;
+        }
+    }
+}
+
+impl<R: Real> ShapeGauge<R> {
+    /// Derivatives of the length at a fixed position by the numbers of the deformation.
+    pub(crate) fn variation(&self, at: [R; 3]) -> Modes<R> {
+        match self {
+            Self::SoftHalfBall(own) => own.variation(at),
+            _ => [R::splat(0.0); MODES],
+        }
+    }
+
+    /// The way of a point of the body from another deformation to this one.
+    pub(crate) fn way_after(&self, before: &Self, at: [R; 3]) -> [R; 3] {
+        match (self, before) {
+            (Self::SoftHalfBall(own), Self::SoftHalfBall(before)) => own.way_after(before, at),
+            _ => [R::splat(0.0); 3],
         }
     }
 }

@@ -31,6 +31,11 @@ pub trait Geometry: Debug {
     /// Half of the base's width and of its height, and the projection \[mm\].
     fn half_axes(&self) -> DVec3;
 
+    /// The length that tolerances and errors are relative to \[mm\]: half of the base's width at rest.
+    fn reference_length(&self) -> f64 {
+        self.half_axes().x
+    }
+
     /// Volume \[mm³\].
     fn volume(&self) -> f64;
 

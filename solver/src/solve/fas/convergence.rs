@@ -95,6 +95,8 @@ pub(super) struct Convergence {
     last_product: f64,
     /// Convergence factors of the last two cycles without mixing \[-\], zero while unknown.
     unmixed_rates: [f64; 2],
+    /// Move of the surface of an implant that yields by the next step of its numbers \[mm\].
+    pub(super) imbalance: f64,
     pub(super) ending: Ending,
 }
 
@@ -114,6 +116,7 @@ impl Convergence {
         updates: 0,
         last_product: 0.0,
         unmixed_rates: [0.0; 2],
+        imbalance: 0.0,
         ending: Ending::NONE,
     };
 
@@ -288,9 +291,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let residual = convergence.ending.relative_residual;
         let by_change = convergence.ending.error + convergence.neglected_offset;
         let least = parameters.error_per_residual * residual * *reference_length;
-        convergence.ending.error =
-            convergence.ending.error.max(least) + convergence.neglected_offset;
+        convergence.ending.error = convergence.ending.error.max(least).max(convergence.imbalance)
+            + convergence.neglected_offset;
         let (low, high) = parameters.residual_bounds;
+        let is_shape_balanced = convergence.imbalance <= *tolerance * *reference_length;
         if convergence.ending.has_inverted_cell && self.stop == Stop::Tolerance {
             return State::Failed;
         }
@@ -299,6 +303,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
                 || residual <= high && self.levels[self.grid].is_rounded(parameters.roundings));
         if is_balanced || self.stop != Stop::Tolerance {
             return State::Converged;
+        }
+        if !is_shape_balanced {
+            return State::Working;
         }
         let is_stagnant = residual > parameters.stagnation_factor * convergence.stagnation_residual;
         convergence.stagnations += u32::from(is_stagnant);
@@ -329,8 +336,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Computes the relative residual.
     fn find_relative_residual(&mut self) {
         let grid = self.grid;
-        let level = &mut self.levels[grid];
         let known = self.convergence.residual_squares.take();
+        // The work of the reactions needs the forces, which the residual replaces.
+        let known = if self.find_imbalance() { None } else { known };
+        let level = &mut self.levels[grid];
         let squares = known.unwrap_or_else(|| level.find_residual(&self.model, Contact::OneSided));
         let tension = level.tension(&self.model);
         let ending = &mut self.convergence.ending;
@@ -419,7 +428,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         last_cycles[last].result.copy_from(before);
         last_cycles.rotate_right(1);
-        if *updates > 1 {
+        let is_mixed = *updates > 1;
+        self.mix_shape(thetas);
+        let level = &mut self.levels[self.grid];
+        if is_mixed {
             level.project_feasible();
         }
         level.mix_constraints(&self.model, thetas);

@@ -110,9 +110,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.renew(model);
         }
         level.before.copy_from(&level.u);
+        let is_yielding = self.yielded.is_some() && convergence.cycles > 0;
         let (top, cycles, mode) = (*grid, convergence.cycles, *mode);
         Plan { top, cycles, mode, parameters }.v_cycle(steps);
         self.next_step = 0;
+        if is_yielding {
+            self.yield_to_tissue();
+        }
     }
 
     /// Executes a step of a cycle, except the convergence test.

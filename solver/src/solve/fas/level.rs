@@ -4,11 +4,12 @@ use super::smoother::{self, Conditions, Contact, Damping};
 use super::transfer;
 use crate::contact::contact_edge;
 use crate::contact::lanes::LaneObstacle;
-use crate::contact::{Dome, HalfBall, Obstacle};
+use crate::contact::{Dome, HalfBall, Modes, Obstacle};
 use crate::mesh::Rest;
 use crate::mesh::lanes::{Field, Layout, Mirrored};
 use crate::model::columns::Stiffness;
 use crate::model::{ElasticModel, Tension};
+use crate::solve::yielding::Work;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -124,6 +125,33 @@ impl<M: ElasticModel> Level<M> {
         self.exact_obstacle = obstacle;
     }
 
+    /// Replaces the numbers of the deformation of an implant that yields.
+    pub(super) fn reshape(&mut self, modes: Modes<f64>) {
+        self.are_forces_current = false;
+        self.exact_obstacle.dome.set_modes(modes);
+        self.obstacle.reshape(&self.exact_obstacle.dome.shape);
+    }
+
+    /// Replaces the numbers of the deformation; the tissue near the implant follows its surface. The forces stay those before.
+    pub(super) fn reshape_with_tissue(&mut self, modes: Modes<f64>) {
+        self.exact_obstacle.dome.set_modes(modes);
+        let before = self.obstacle.reshape(&self.exact_obstacle.dome.shape);
+        smoother::follow(&self.layout, &self.obstacle, &before, &mut self.u);
+        smoother::project_feasible(&self.layout, &self.obstacle, &mut self.u);
+    }
+
+    /// Work of the reactions by the numbers of the implant's deformation, of the forces at `u` \[this grid's units\].
+    pub(super) fn work(&mut self, model: &M) -> Work {
+        if !self.are_forces_current {
+            self.find_forces(model);
+            self.are_forces_current = true;
+        }
+        let Self { layout, obstacle, u, f, tau, contact_offset, inverse, .. } = self;
+        let conditions =
+            Self::conditions(obstacle, Contact::OneSided, inverse, tau, contact_offset);
+        smoother::work(layout, &conditions, u, f)
+    }
+
     /// Computes the contact offsets; returns the greatest contact offset \[grid spacings\].
     pub(super) fn find_contact_offsets(&mut self) -> f64 {
         let Self { layout, exact_obstacle, u, active, contact_offset, .. } = self;
@@ -222,8 +250,9 @@ impl<M: ElasticModel> Level<M> {
 
     /// Sets `f` to the residual without contact forces; returns the sum of squares.
     pub(super) fn find_residual(&mut self, model: &M, contact: Contact) -> f64 {
-        self.find_forces(model);
-        self.are_forces_current = false;
+        if !std::mem::take(&mut self.are_forces_current) {
+            self.find_forces(model);
+        }
         let Self { layout, obstacle, u, active, f, tau, contact_offset, inverse, .. } = self;
         let conditions = Self::conditions(obstacle, contact, inverse, tau, contact_offset);
         smoother::residual(layout, &conditions, u, active, f)

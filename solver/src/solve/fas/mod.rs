@@ -6,13 +6,14 @@
 //! grids inherit the set by restriction.
 //!
 //! `cycle` (the V-cycle as a schedule) | `convergence` (error estimate, endings) | `parameters` | `level` (one
-//! grid) | `smoother` | `transfer` | `positions` (the solution in mm).
+//! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `shape` (an implant that yields).
 
 mod convergence;
 mod cycle;
 mod level;
 mod parameters;
 mod positions;
+mod shape;
 mod smoother;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ pub(super) use parameters::{
     LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, LAYERED_RISING_FINER, MEMBRANE,
     MEMBRANE_GENTLE,
 };
+use shape::Yielded;
 use std::iter::successors;
 
 /// State of the scheme.
@@ -100,6 +102,8 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     before_growth: (u32, Option<f64>),
     /// The rest of the way of a rising dome, the last step first.
     ascent: Vec<Ascent>,
+    /// The implant, if it yields.
+    yielded: Option<Yielded>,
 }
 
 /// A step of a rising dome.
@@ -159,6 +163,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             work_units: 0.0,
             before_growth: (0, None),
             ascent: Vec::new(),
+            yielded: None,
             levels,
             model,
         }
@@ -264,7 +269,12 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Starts on the coarsest grid.
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft_tolerance: Option<f64>) {
-        let Problem { rest, obstacle, tolerance, .. } = problem;
+        let Problem { rest, tolerance, .. } = problem;
+        self.yielded = Yielded::of(problem, self.mirrored());
+        let obstacle = &match &self.yielded {
+            Some(yielded) => yielded.in_place(&problem.obstacle),
+            None => problem.obstacle.clone(),
+        };
         self.stop = stop;
         self.draft_tolerance = draft_tolerance;
         self.reference_length = obstacle.dome.reference_length();
@@ -320,6 +330,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Places the obstacle on every grid.
     fn place(&mut self, obstacle: &Obstacle) {
+        let obstacle = match &self.yielded {
+            Some(yielded) => &yielded.in_place(obstacle),
+            None => obstacle,
+        };
         let finest = self.levels.len() - 1;
         for (l, level) in self.levels.iter_mut().enumerate() {
             let spacing = self.spacing * f64::from(1 << (finest - l));
@@ -349,6 +363,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     fn begin_grid(&mut self, grid: usize) {
         self.grid = grid;
+        if let Some(yielded) = &mut self.yielded {
+            yielded.begin_grid();
+        }
         self.convergence = Convergence::NEW;
         self.levels[grid].contact_offset.fill(0.0);
         self.begin_cycle();

@@ -2,10 +2,13 @@
 //!
 //! The blocks' part of a step is here, the constraints' part in [`crate::contact::lanes`].
 
+use crate::contact::ShapeGauge;
 use crate::contact::lanes::{LaneObstacle, MAX_STEP, Touch};
 use crate::mesh::lanes::{Field, Group, Layout, load, store_first};
+use crate::mesh::part::Part;
 use crate::mesh::vec3::{Block, Vec3, add, dot, scale, sub, times};
 use crate::model::columns::Stiffness;
+use crate::solve::yielding::Work;
 use wide::f32x4;
 
 /// Factor of the hardening in d ← d/√(1 + HARDENING·|d|⁴/(ω r·d)) \[-\], lengths in grid spacings: a move d across the
@@ -123,6 +126,54 @@ pub(super) fn project_feasible(layout: &Layout, obstacle: &LaneObstacle, u: &mut
         carry_column(u, &group, sub(moved, at), None);
     });
     layout.mirror(u);
+}
+
+/// Moves the columns near an implant that yields with its surface, from its shape before.
+pub(super) fn follow(
+    layout: &Layout,
+    obstacle: &LaneObstacle,
+    before: &ShapeGauge<f32x4>,
+    u: &mut Field,
+) {
+    layout.free_groups(|group| {
+        let at = u.load(group.first);
+        let moved = obstacle.following(before, group.rest, at);
+        store_first(u, group.first, group.count, moved);
+        carry_column(u, &group, sub(moved, at), None);
+    });
+    layout.mirror(u);
+}
+
+/// Work of the dome's reactions to the forces by the numbers of its deformation, over the whole sheet.
+pub(super) fn work<S: Stiffness>(
+    layout: &Layout,
+    conditions: &Conditions<S>,
+    u: &Field,
+    f: &Field,
+) -> Work {
+    let Conditions { obstacle, inverse, contact_offset, .. } = *conditions;
+    let part = Part::new(layout.nodes_per_side, layout.mirrored);
+    let mut work = Work::default();
+    layout.free_groups(|group| {
+        let k = group.first;
+        let (at, force) = (u.load(k), f.load(k));
+        let nodes = obstacle.nodes(group.rest, at);
+        let touching = load(contact_offset, k).abs() + 1.0;
+        let height = group.rest[2] + at[2];
+        let compliance = inverse.inner().load(k);
+        let (variation, pressing, square) =
+            obstacle.work(&nodes, height, force, compliance, touching);
+        let (pressing, square) = (pressing.to_array(), square.to_array());
+        let variation = variation.map(f32x4::to_array);
+        for lane in (0..group.count).filter(|&lane| pressing[lane] > 0.0) {
+            let (i, j) = ((k + lane) % layout.pitch, (k + lane) / layout.pitch);
+            let count = part.multiplicity(layout.node(i, j));
+            let of_node = variation.map(|lanes| f64::from(lanes[lane]));
+            let steepness = f64::from(square[lane]).sqrt();
+            work.add(count * f64::from(pressing[lane]), steepness, of_node);
+        }
+    });
+    work
 }
 
 /// Moves the nodes above the inner face with it, by `shift` and, if given, by their own corrections.

@@ -391,6 +391,10 @@ impl ElasticModel for Layered {
         }
     }
 
+    fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
     fn has_contact_offsets(&self) -> bool {
         false
     }

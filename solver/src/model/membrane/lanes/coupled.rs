@@ -14,12 +14,14 @@ type LaneGroup = Group<f32x4, Buckets<f32x4>>;
 #[derive(Clone, Debug)]
 pub(crate) struct CoupledLanes {
     groups: Vec<LaneGroup>,
+    /// Stiffness at small strain \[kPa·mm\].
+    pub(super) unit: f64,
 }
 
 impl CoupledLanes {
     /// The lanes of a law whose stiffness at small strain is `stiffness` \[kPa·mm\].
     pub(super) fn new(law: &CoupledLaw, stiffness: f64) -> Self {
-        Self { groups: law.closed_form(TRIANGLE_WEIGHT / stiffness) }
+        Self { groups: law.closed_form(TRIANGLE_WEIGHT / stiffness), unit: stiffness }
     }
 
     /// Layers by their Poisson ratio: most sheets have one, which has a [`Law`] of its own.

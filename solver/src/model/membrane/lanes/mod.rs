@@ -93,6 +93,13 @@ impl ElasticModel for Membrane {
         }
     }
 
+    fn stiffness(&self) -> f64 {
+        match self {
+            Self::Coupled(law) => law.unit,
+            Self::Paper(law) => law.unit,
+        }
+    }
+
     fn has_contact_offsets(&self) -> bool {
         matches!(self, Self::Coupled(_))
     }

@@ -20,6 +20,8 @@ pub(crate) struct LaneSprings {
     /// Tension against strain.
     edge: Buckets<f32x4>,
     diagonal: Buckets<f32x4>,
+    /// Stiffness at small strain \[kPa·mm\].
+    pub(super) unit: f64,
 }
 
 /// Four springs at rest.
@@ -55,7 +57,8 @@ impl LaneSprings {
     /// The lanes of a law whose stiffness at small strain is `stiffness` \[kPa·mm\].
     pub(super) fn new(law: &PaperLaw, stiffness: f64) -> Self {
         let scale = 1.0 / stiffness;
-        Self { edge: law.edge.buckets(scale), diagonal: law.diagonal.buckets(scale) }
+        let (edge, diagonal) = (law.edge.buckets(scale), law.diagonal.buckets(scale));
+        Self { edge, diagonal, unit: stiffness }
     }
 
     fn table(&self, spring: Spring) -> &Buckets<f32x4> {

@@ -1,0 +1,218 @@
+//! A shape that yields: a body at rest, its modulus and the numbers of its deformation.
+//!
+//! The maps keep the volume, point by point, and the plane of the base; the gauge of the deformed body is that of the body at rest at the source of a
+//! point. Nothing of the deformation is on the grid: the equilibrium finds its few numbers from the forces on the surface.
+//!
+//! `map` (the deformation and its derivatives) | `gauge` | `gel` (the energy).
+
+mod gauge;
+mod gel;
+mod map;
+#[cfg(test)]
+mod tests;
+
+use super::half_ball::{HalfBall, HalfBallGauge};
+use super::traits::{Gauge, Geometry};
+use crate::number::Real;
+pub(crate) use gauge::DeformedGauge;
+pub(crate) use gel::{Balance, Gel};
+use glam::{DVec2, DVec3};
+pub(crate) use map::{MODES, Map, Modes};
+use std::f64::consts::FRAC_PI_2;
+
+/// Halvings to a point of a line on the surface: to rounding.
+const STEPS: usize = 50;
+
+/// A deformed shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deformed<S> {
+    /// The shape at rest.
+    pub(crate) rest: S,
+    /// Young's modulus of the body, its shell included \[kPa\]; infinite: the deformation is given.
+    pub(crate) modulus_kpa: f64,
+    /// The numbers of the deformation.
+    pub(crate) modes: [f64; MODES],
+}
+
+impl<S: Geometry> Deformed<S> {
+    /// A body at rest, of Young's modulus \[kPa\] with the shell's part.
+    #[must_use]
+    pub fn at_rest(rest: S, modulus_kpa: f64) -> Self {
+        Self { rest, modulus_kpa, modes: [0.0; MODES] }
+    }
+
+    /// The shape at rest.
+    #[must_use]
+    pub fn rest(&self) -> &S {
+        &self.rest
+    }
+
+    /// The numbers of the deformation: flattening, taper, shoulder, widening across, shears across and along the body \[-\].
+    #[must_use]
+    pub fn modes(&self) -> [f64; 6] {
+        self.modes
+    }
+
+    /// Young's modulus with the shell's part \[kPa\].
+    #[must_use]
+    pub fn modulus_kpa(&self) -> f64 {
+        self.modulus_kpa
+    }
+
+    /// Elastic energy of the body \[kPa·mm³\].
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.gel().energy(self.modes)
+    }
+
+    pub(crate) fn gel(&self) -> Gel {
+        Gel::new(&self.rest, self.modulus_kpa)
+    }
+
+    pub(crate) fn map<R: Real>(&self) -> Map<R> {
+        Map::new(self.rest.half_axes().to_array(), self.modes)
+    }
+
+    fn image(&self, of: DVec3) -> DVec3 {
+        self.map::<f64>().image(of.to_array()).into()
+    }
+
+    /// Factors of the widths of the base, and of lengths upright at the apex.
+    fn at_base(&self) -> DVec2 {
+        let [flattening, _, shoulder, widening, ..] = self.modes;
+        // u of the edge: u + νu² = 1.
+        let u = 2.0 / (1.0 + (1.0 + 4.0 * shoulder).max(0.0).sqrt());
+        let wide = (1.0 + shoulder * u).max(0.1) * (1.0 - flattening);
+        DVec2::new(widening.exp(), (-widening).exp()) / wide.sqrt()
+    }
+
+    /// Greatest half of the width and of the height of the body \[mm\].
+    #[must_use]
+    pub fn greatest_half_axes(&self) -> DVec2
+    where
+        Self: Geometry,
+    {
+        let at = |k: i32| {
+            let angle = FRAC_PI_2 * f64::from(k) / 45.0;
+            DVec2::new(self.reach(angle, DVec2::X).x, self.reach(angle, DVec2::Y).y)
+        };
+        (0..=45).map(at).fold(DVec2::ZERO, DVec2::max)
+    }
+}
+
+impl Deformed<HalfBall> {
+    /// The shape in another unit of length.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { rest: self.rest.scaled(factor), ..self.clone() }
+    }
+
+    pub(crate) fn gauge<R: Real>(&self) -> DeformedGauge<R, HalfBallGauge<R>> {
+        DeformedGauge { rest: self.rest.gauge(), map: self.map() }
+    }
+}
+
+impl Geometry for Deformed<HalfBall> {
+    fn half_axes(&self) -> DVec3 {
+        let wide = self.rest.half_axes().truncate() * self.at_base();
+        wide.extend(self.apex().z)
+    }
+
+    fn reference_length(&self) -> f64 {
+        self.rest.reference_length()
+    }
+
+    fn volume(&self) -> f64 {
+        self.rest.volume()
+    }
+
+    fn apex(&self) -> DVec3 {
+        self.image(self.rest.apex())
+    }
+
+    /// The image of the axis at rest.
+    fn axis(&self, height: f64) -> DVec2 {
+        let image = |at: f64| self.image(self.rest.axis(at).extend(at));
+        let (mut below, mut above) = (0.0, self.rest.half_axes().z);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (below + above);
+            *(if image(middle).z < height { &mut below } else { &mut above }) = middle;
+        }
+        image(above).truncate()
+    }
+
+    fn is_round(&self) -> bool {
+        self.rest.is_round() && self.modes[3..] == [0.0; MODES - 3]
+    }
+
+    fn mirrored(&self) -> [bool; 2] {
+        let rest = self.rest.mirrored();
+        [0, 1].map(|axis| rest[axis] && self.modes[4 + axis] == 0.0)
+    }
+
+    /// By bisection along the image of the direction.
+    fn reach(&self, angle: f64, direction: DVec2) -> DVec2 {
+        let height = self.half_axes().z * angle.cos();
+        let (gauge, middle) = (self.gauge::<f64>(), self.axis(height));
+        let way = self.rest.half_axes().truncate() * direction;
+        let is_inside = |factor: f64| {
+            gauge.length_squared((middle + way * factor).extend(height).to_array()) < 1.0
+        };
+        let (mut inside, mut outside) = (0.0, 2.0);
+        for _ in 0..STEPS {
+            let factor = 0.5 * (inside + outside);
+            *(if is_inside(factor) { &mut inside } else { &mut outside }) = factor;
+        }
+        way * inside
+    }
+
+    fn least_length(&self) -> f64 {
+        self.rest.least_length() * self.stretches()[0]
+    }
+
+    fn greatest_length(&self) -> f64 {
+        self.rest.greatest_length() * self.stretches()[1]
+    }
+
+    /// About that of the deformed apex: of its widths squared by its height.
+    fn apex_radius(&self) -> f64 {
+        let [flattening, _, shoulder, ..] = self.modes;
+        let wide = self.at_base().min_element();
+        let section = self.sections()[2];
+        let fuller = (1.0 - 4.0 * shoulder).max(0.1);
+        self.rest.apex_radius() * wide * wide * section * section / (1.0 - flattening) / fuller
+    }
+
+    fn rim_radius(&self) -> f64 {
+        let up = 1.0 - self.modes[0];
+        self.rest.rim_radius() * up * up / self.at_base().max_element()
+    }
+}
+
+impl Deformed<HalfBall> {
+    /// Least and greatest c over the body, and c at its apex.
+    fn sections(&self) -> [f64; 3] {
+        let map = self.map::<f64>();
+        let at = |part: f64| map.source([0.0, 0.0, part * self.half_axes().z]).section();
+        let all = || (0..=8).map(|k| at(f64::from(k) / 8.0));
+        [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max), at(1.0)]
+    }
+
+    /// Bounds of the factor of lengths by the map, over the body: from the greatest parts of the gradient.
+    fn stretches(&self) -> [f64; 2] {
+        let [flattening, taper, shoulder, widening, across, along] = self.modes;
+        let left = 1.0 - flattening;
+        let [least, most, _] = self.sections();
+        let sections = [least, most];
+        let steep = 1.0 + 2.0 * shoulder.abs();
+        let widths = [
+            (sections[0] / left).sqrt() / steep * (-widening.abs()).exp(),
+            (sections[1] / left).sqrt() * steep * widening.abs().exp(),
+        ];
+        let ups = [left / sections[1] / steep, left / sections[0] * steep];
+        let slender = self.rest.greatest_length() / self.rest.least_length();
+        let bow = slender * (taper.abs() + 4.0 * shoulder.abs()) * widths[1];
+        let lean = 1.0 + across.abs() + along.abs() + bow;
+        [widths[0].min(ups[0]) / lean, widths[1].max(ups[1]) * lean]
+    }
+}

@@ -1,0 +1,98 @@
+//! An implant that yields: the numbers of its deformation, renewed once a cycle and mixed like the displacements.
+//!
+//! At the start of a cycle, but the first of a grid, the forces that the first step needs give the work of the reactions; the numbers move by one step
+//! towards their balance (`yielding`), on all grids, and the tissue near the implant follows its surface. The change of the cycle contains that move, so
+//! that the estimate of the error does.
+
+use super::FullMultigrid;
+use crate::contact::{MODES, Modes, Obstacle};
+use crate::model::ElasticModel;
+use crate::solve::Problem;
+use crate::solve::yielding::Yielding;
+
+/// The implant of a problem, and its numbers in the cycles before.
+#[derive(Clone, Debug)]
+pub(super) struct Yielded {
+    own: Yielding,
+    /// The numbers after the last two cycles of the grid, the last one first.
+    last: [Modes<f64>; 2],
+}
+
+impl Yielded {
+    /// At rest at the start of a solve; `None` of an implant that does not yield.
+    pub(super) fn of(problem: &Problem, mirrored: [bool; 2]) -> Option<Self> {
+        let mut own = Yielding::of(&problem.obstacle.dome, mirrored)?;
+        own.modes = [0.0; MODES];
+        Some(Self { own, last: [[0.0; MODES]; 2] })
+    }
+
+    pub(super) fn modes(&self) -> Modes<f64> {
+        self.own.modes
+    }
+
+    /// The obstacle with the present numbers of the implant.
+    pub(super) fn in_place(&self, obstacle: &Obstacle) -> Obstacle {
+        let mut obstacle = obstacle.clone();
+        obstacle.dome.set_modes(self.own.modes);
+        obstacle
+    }
+
+    pub(super) fn begin_grid(&mut self) {
+        self.last = [self.own.modes; 2];
+    }
+}
+
+impl<M: ElasticModel> FullMultigrid<M> {
+    /// The numbers of the deformation of an implant that yields.
+    pub(in crate::solve) fn modes(&self) -> Option<Modes<f64>> {
+        self.yielded.as_ref().map(Yielded::modes)
+    }
+
+    /// The step of the numbers towards the balance with the forces at the present displacements of the grid being solved.
+    fn step_of_shape(&mut self) -> Option<Modes<f64>> {
+        let spacing = self.grid_spacing();
+        let yielded = self.yielded.as_ref()?;
+        let work = self.levels[self.grid].work(&self.model);
+        let energy = self.model.stiffness() * spacing * spacing;
+        Some(yielded.own.step(&work.scaled(energy, spacing)))
+    }
+
+    /// Moves the numbers by a step towards the balance, on all grids.
+    pub(super) fn yield_to_tissue(&mut self) {
+        let Some(step) = self.step_of_shape() else { return };
+        let Some(yielded) = &mut self.yielded else { return };
+        yielded.own.advance(&step);
+        let modes = yielded.own.modes;
+        for (grid, level) in self.levels.iter_mut().enumerate() {
+            if grid == self.grid {
+                level.reshape_with_tissue(modes);
+            } else {
+                level.reshape(modes);
+            }
+        }
+    }
+
+    /// Mixes the numbers after the last cycles as the displacements.
+    pub(super) fn mix_shape(&mut self, thetas: [f32; 2]) {
+        let Some(yielded) = &mut self.yielded else { return };
+        let result = yielded.own.modes;
+        for (theta, last) in thetas.into_iter().zip(yielded.last) {
+            for ((own, of_cycle), last) in yielded.own.modes.iter_mut().zip(result).zip(last) {
+                *own -= f64::from(theta) * (of_cycle - last);
+            }
+        }
+        yielded.last = [result, yielded.last[0]];
+        let modes = yielded.own.modes;
+        if modes != result {
+            self.levels.iter_mut().for_each(|level| level.reshape(modes));
+        }
+    }
+
+    /// Computes the move of the implant's surface by the next step of its numbers; false for an implant that does not yield.
+    pub(super) fn find_imbalance(&mut self) -> bool {
+        let Some(step) = self.step_of_shape() else { return false };
+        let Some(yielded) = &self.yielded else { return false };
+        self.convergence.imbalance = yielded.own.greatest_move(&step);
+        true
+    }
+}
