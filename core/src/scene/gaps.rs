@@ -27,7 +27,8 @@ fn scenes() -> Vec<Value> {
     let grid = |values: &str, value: f64| json!({ "spacing_mm": 50, "columns": 13, "rows": 13, values: vec![value; 169] });
     let full = json!({
         "schema": "implant-preview/scene/1", "id": 7,
-        "implant": { "base_radius_mm": 60, "projection_mm": 40, "center_mm": [0, 0], "base_height_mm": 130, "apex_shift_mm": 5 },
+        "implant": { "base_radius_mm": 60, "projection_mm": 40, "center_mm": [0, 0], "base_height_mm": 130, "apex_shift_mm": 5,
+            "fill": { "modulus_kpa": 10, "shell_kpa_mm": 500 } },
         "pocket_radius_mm": 70, "tissue_model": "layered", "patch_radius_mm": 130,
         "attachment": { "stiffness_kpa_per_mm": 2, "ramp_mm": 10 },
         "skin_state": { "natural_tension_n_per_m": 2, "anisotropy": 1.5, "direction_deg": 30, "relaxed": 0.6, "grown": 0.3 },

@@ -1,8 +1,9 @@
 //! The implant: its numbers, in memory and in a file, and what follows from them.
 
-use super::{SceneError, problem};
+use super::fill::FillFile;
+use super::{Fill, SceneError, problem};
 use crate::clinical::{ClinicalError, Size};
-use crate::contact::{Dome, HALF_ELLIPSOID, HalfBall};
+use crate::contact::{Deformed, Dome, HALF_ELLIPSOID, HalfBall, Shape};
 use crate::curve::{Pair, given, number, present};
 use glam::DVec2;
 use schemars::JsonSchema;
@@ -30,6 +31,9 @@ pub struct Implant {
     /// Volume by π a b p of the half-axes of the base and the projection \[-\], 0.55 to 0.8; `None`: ⅔, half of an ellipsoid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fullness: Option<f64>,
+    /// How far its body yields; `None`: it is rigid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fill: Option<Fill>,
 }
 
 /// Greatest way of the apex \[half of the base's height\]: it stays over the base.
@@ -63,6 +67,9 @@ pub(super) struct ImplantFile {
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     volume_ml: Option<f64>,
+    /// `"rigid"`, `"form_stable"`, `"cohesive"`, `"soft"`, `"saline"`, or the moduli of gel and shell. Default: rigid.
+    #[serde(default, deserialize_with = "present")]
+    fill: FillFile,
     /// The maker's name of the size, up to 60 characters in one line; no computation depends on it, the result has it as
     /// `implant_reference`. Default: not stated.
     #[serde(default, deserialize_with = "present")]
@@ -83,6 +90,7 @@ impl ImplantFile {
             base_height_mm: self.base_height_mm,
             apex_shift_mm: self.apex_shift_mm.unwrap_or_default(),
             fullness: self.fullness,
+            fill: self.fill.0,
         };
         if let Some(volume) = self.volume_ml {
             let with = |fullness| Implant { fullness, ..implant }.size();
@@ -134,12 +142,23 @@ impl Implant {
         self.fullness.unwrap_or(HALF_ELLIPSOID)
     }
 
-    /// The shape.
+    /// The shape at rest.
     #[must_use]
     pub fn shape(&self) -> HalfBall {
         HalfBall::round(self.base_radius_mm, self.projection_mm)
             .anatomical(0.5 * self.base_height(), self.apex_shift_mm)
             .filled(self.fullness())
+    }
+
+    /// The shape as the tissue meets it: one that yields by its fill.
+    #[must_use]
+    pub fn body(&self) -> Shape {
+        match self.fill {
+            None => self.shape().into(),
+            Some(fill) => {
+                Deformed::at_rest(self.shape(), fill.modulus_kpa(self.base_radius_mm)).into()
+            }
+        }
     }
 
     /// Is the implant a solid of revolution?
@@ -175,7 +194,8 @@ impl Implant {
     /// Does another implant have the same size and shape, in whatever place?
     #[must_use]
     pub fn has_size_of(&self, other: &Self) -> bool {
-        Self { center_mm: other.center_mm, ..self.in_few_words() } == other.in_few_words()
+        let alike = Self { center_mm: other.center_mm, fill: other.fill, ..self.in_few_words() };
+        alike == other.in_few_words()
     }
 
     /// Sets the base radius \[mm\]; an anatomical implant keeps its proportions.

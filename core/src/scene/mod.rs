@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `other_side` (plans of their own for both sides) | `patient`
+//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `thickness` (from place to place), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `fill` (how far an implant yields) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `other_side` (plans of their own for both sides) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `skin_state` (its natural tension), `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body) | `visit` (patient and visit in words).
 //!
@@ -18,6 +18,7 @@ mod continued;
 mod error;
 pub mod field;
 mod file;
+mod fill;
 #[cfg(test)]
 mod gaps;
 mod grid;
@@ -49,6 +50,7 @@ pub use field::Field;
 use field::Part;
 pub use file::Scene;
 use file::SceneFile;
+pub use fill::{Fill, Gel};
 pub use implant::Implant;
 pub use kept_surface::KeptSurface;
 pub use layer::{Layer, tissue_in_words};
@@ -178,6 +180,7 @@ impl Scene {
     fn check_limits(&self) -> Result<(), SceneError> {
         visit::check_line(REFERENCE, &self.implant_reference, MAX_IMPLANT_REFERENCE)?;
         self.check_numbers(Part::Scene)?;
+        self.implant.fill.map_or(Ok(()), Fill::check)?;
         let (implant, most) = (&self.implant, limits::POCKET_RADIUS_MAX_MM);
         let half = if implant.is_round() { "base radius" } else { "half of the base" };
         let [x, y] = implant.center_mm;

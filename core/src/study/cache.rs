@@ -2,7 +2,7 @@
 
 use super::Case;
 use crate::curve::CurveSpec;
-use crate::scene::{CellsThrough, ChestGrid, Field, Scene, ThicknessGrid};
+use crate::scene::{CellsThrough, ChestGrid, Field, Fill, Scene, ThicknessGrid};
 use std::collections::{HashMap, VecDeque};
 
 /// Everything of a scene that changes its case; the names of the tissues, the patient and the visit do not.
@@ -44,6 +44,9 @@ impl Cases {
             let values = (0..field.count(scene)).map(|layer| field.value(scene, layer));
             words.extend(values.map(|value| value.map_or(u64::MAX, bits)));
         }
+        let gel = scene.implant.fill.map(Fill::gel);
+        words
+            .extend(gel.map_or([u64::MAX; 2], |gel| [gel.modulus_kpa, gel.shell_kpa_mm].map(bits)));
         words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         words.push(self.grids(scene));
         Key(words.into())
