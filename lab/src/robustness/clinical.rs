@@ -12,7 +12,7 @@ use super::{
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{Field, Scene, SkinState};
+use implant_preview_core::scene::{Field, Fill, Scene, SkinState};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
@@ -66,6 +66,9 @@ pub struct Clinical {
     /// Has that skin grown by any part of its stretch?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_growth: bool,
+    /// Has every implant one of the fills, or is rigid?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_fill: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -82,6 +85,7 @@ impl Default for Clinical {
             has_terrain: false,
             has_tension: false,
             has_growth: false,
+            has_fill: false,
             nodes_per_side: 65,
             measures_errors: false,
         }
@@ -152,6 +156,10 @@ impl Clinical {
         }
         if self.has_growth {
             scene.body.skin_state.grown = uniform(rng, Field::Grown.limits);
+        }
+        if self.has_fill {
+            let fill = rng.usize(0..=Fill::NAMED.len());
+            scene.implant.fill = Fill::NAMED.get(fill).map(|(_, fill)| *fill);
         }
         scene
     }

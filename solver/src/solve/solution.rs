@@ -191,7 +191,8 @@ impl Solution {
             offset_nodes: self.offset_nodes().iter().map(|(k, x)| (*k, x.to_array())).collect(),
             outer: self.shape.outer.iter().map(|layer| arrays(layer)).collect(),
             mirrored: self.shape.mirrored,
-use crate::contact::SoftHalfBall;
+            grown: self.problem.rest.grown().map(Grown::numbers).unwrap_or_default(),
+            implant: self.problem.obstacle.dome.shape.soft().map(SoftHalfBall::modes),
             report: self.report.clone(),
         }
     }

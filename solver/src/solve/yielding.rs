@@ -119,8 +119,7 @@ impl Solver {
     }
 
     fn deform(&mut self, modes: Modes<f64>) {
-        let is_soft = self.problem.obstacle.dome.shape.soft();
-        if is_soft.is_some_and(|soft| soft.modes() != modes) {
+        if self.problem.obstacle.dome.shape.soft().is_some() {
             Arc::make_mut(&mut self.problem).obstacle.dome.set_modes(modes);
         }
     }
@@ -157,7 +156,7 @@ impl Solver {
 /// The solution of a system with a positive definite matrix; `None` of another one.
 fn solved(mut a: [Modes<f64>; MODES], mut b: Modes<f64>) -> Option<Modes<f64>> {
     for k in 0..MODES {
-        if !(a[k][k] > 0.0) {
+        if a[k][k] <= 0.0 {
             return None;
         }
         for i in k + 1..MODES {

@@ -295,7 +295,7 @@ const BODIES: [(&str, &str); 2] = [
 
 /// An implant beside the patient: with a flat base, whole.
 fn as_made(dome: &Dome) -> Dome {
-    Dome { center: DVec2::ZERO, base_height: 0.0, chest: Chest::Flat, ..dome.clone() }
+    Dome { shape: dome.shape.at_rest(), center: DVec2::ZERO, base_height: 0.0, chest: Chest::Flat }
 }
 
 /// Bodies whose skin has the colours of its stretch, those of the picture.

@@ -55,6 +55,9 @@ pub(super) struct Arguments {
     /// Clinical population: the skin has grown by any part of its stretch under the implant, too.
     #[arg(long, requires = "skin_tension")]
     skin_growth: bool,
+    /// Clinical population: every implant has one of the fills, or is rigid.
+    #[arg(long, requires = "clinical")]
+    fill: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -111,6 +114,7 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         has_terrain: arguments.terrain,
         has_tension: arguments.skin_tension,
         has_growth: arguments.skin_growth,
+        has_fill: arguments.fill,
         nodes_per_side: nodes,
         measures_errors: measure_errors,
     };

@@ -118,6 +118,15 @@ impl Shape {
         }
     }
 
+    /// The shape before a deformation.
+    #[must_use]
+    pub fn at_rest(&self) -> Self {
+        match self {
+            Self::SoftHalfBall(own) => own.rest.into(),
+            other => other.clone(),
+        }
+    }
+
     /// Sets the numbers of the deformation of a shape that yields.
     pub(crate) fn set_modes(&mut self, modes: Modes<f64>) {
         if let Self::SoftHalfBall(own) = self {

@@ -83,7 +83,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         yielded.last = [result, yielded.last[0]];
         let modes = yielded.own.modes;
-        if modes != result {
+        if thetas.iter().any(|theta| *theta != 0.0) {
             self.levels.iter_mut().for_each(|level| level.reshape(modes));
         }
     }
