@@ -138,7 +138,7 @@ fn a_softer_implant_is_lower_and_presses_less() {
             assert!(
                 (volume / (opening.implant.fullness() * pi * a * b) / height - 1.0).abs() < 0.06
             );
-            assert!(body.deformation.shear == [0.0; 2]);
+            assert!(body.deformation.shear.iter().all(|shear| shear.abs() <= 0.0));
         }
     }
 }

@@ -8,11 +8,12 @@
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
 //! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves) |
-//! `yielding` (an implant that yields).
+//! `yielding` (an implant that yields), `balance` (with a solution).
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
 mod accessors;
+mod balance;
 mod discretisation;
 mod fas;
 mod growth;

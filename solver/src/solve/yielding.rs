@@ -4,10 +4,7 @@
 //! g (the envelope theorem: no derivative of the displacements). The balance is W′(q) = Q. A step is (W″ + B)⁻¹(Q − W′) with B instead of the
 //! tissue's own −∂Q/∂q: each node's reaction as a spring of the length of the implant's height.
 
-use super::{Multigrid, Solver, Start, Verdict};
 use crate::contact::{Balance, Dome, Gel, Geometry, MODES, Modes};
-use glam::DVec3;
-use std::sync::Arc;
 
 /// Stiffness of a node's reaction to its move \[reactions/height of the implant\]: above that of tissue, which converges without oscillation.
 const STIFFENING: f64 = 2.0;
@@ -27,7 +24,7 @@ pub(super) struct Work {
 }
 
 impl Work {
-    /// Adds a node's reaction per gradient, in the unit of `unit` kPa·mm² for a gauge by the length in mm, the length of the gradient
+    /// Adds a node's reaction per gradient \[kPa·mm³\], the length of the gradient
     /// \[1/mm\] and the derivatives of the gauge by the numbers.
     pub(super) fn add(&mut self, per_gradient: f64, steepness: f64, variation: Modes<f64>) {
         for (i, own) in variation.into_iter().enumerate() {
@@ -103,56 +100,6 @@ impl Yielding {
     }
 }
 
-/// Move of the surface by the next step up to which the numbers of a solution by Newton's method are balanced \[tolerance\].
-const BALANCED: f64 = 0.3;
-/// The most steps of the numbers between solutions by Newton's method.
-const MAX_BALANCES: u32 = 30;
-/// Gauge beside the surface up to which nodes follow it in part.
-const FOLLOWING: f64 = 0.3;
-
-impl Solver {
-    /// Gives the problem's implant the numbers of its deformation that multigrid has found.
-    pub(super) fn deform_as_multigrid(&mut self) {
-        if let Some(modes) = self.multigrid.as_ref().and_then(Multigrid::modes) {
-            self.deform(modes);
-        }
-    }
-
-    fn deform(&mut self, modes: Modes<f64>) {
-        if self.problem.obstacle.dome.shape.soft().is_some() {
-            Arc::make_mut(&mut self.problem).obstacle.dome.set_modes(modes);
-        }
-    }
-
-    /// Moves an implant that yields towards the balance with the solution of Newton's method, and starts again from there; false if it
-    /// is balanced.
-    pub(super) fn rebalance(&mut self) -> bool {
-        let dome = &self.problem.obstacle.dome;
-        let Some(mut yielding) = Yielding::of(dome, self.problem.mirrored()) else { return false };
-        let step = yielding.step(&self.solution().part_reactions().work(&self.solution()));
-        let most = BALANCED * self.problem.tolerance * dome.reference_length();
-        self.balances += 1;
-        if yielding.greatest_move(&step) <= most {
-            return false;
-        }
-        if self.balances > MAX_BALANCES {
-            self.end(Verdict::NotConverged);
-            return true;
-        }
-        yielding.advance(&step);
-        let before = dome.clone();
-        self.deform(yielding.modes);
-        let dome = &self.problem.obstacle.dome;
-        for k in 0..self.x.len() {
-            let way: DVec3 = dome.way_after(&before, self.x[k], FOLLOWING);
-            self.x[k] += way;
-            self.outer.iter_mut().for_each(|layer| layer[k] += way);
-        }
-        self.start_newton(Start::FromSolution);
-        true
-    }
-}
-
 /// The solution of a system with a positive definite matrix; `None` of another one.
 fn solved(mut a: [Modes<f64>; MODES], mut b: Modes<f64>) -> Option<Modes<f64>> {
     for k in 0..MODES {
@@ -175,6 +122,3 @@ fn solved(mut a: [Modes<f64>; MODES], mut b: Modes<f64>) -> Option<Modes<f64>> {
     }
     b.iter().all(|value| value.is_finite()).then_some(b)
 }
-
-#[cfg(test)]
-mod tests;

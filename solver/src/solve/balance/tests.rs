@@ -1,7 +1,7 @@
 //! Implants that yield, against rigid ones, against Newton's method and against the work of the tissue.
 
 use super::*;
-use crate::contact::{Deformed, HalfBall, Obstacle};
+use crate::contact::{Deformed, Dome, HalfBall, MODES, Obstacle};
 use crate::curve::{Curve, CurveSpec, ScaledCurve};
 use crate::mesh::{Attachment, Chest, Edge, Patch, Rest, Sheet};
 use crate::solve::{Method, Options, Problem, Progress, Tissue, samples};

@@ -1,0 +1,62 @@
+//! The balance of an implant that yields, with the solution of either method.
+
+use super::multigrid::Multigrid;
+use super::newton::Start;
+use super::yielding::Yielding;
+use super::{Solver, Verdict};
+use crate::contact::Modes;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Move of the surface by the next step up to which the numbers of a solution by Newton's method are balanced \[tolerance\].
+const BALANCED: f64 = 0.3;
+/// The most steps of the numbers between solutions by Newton's method.
+const MAX_BALANCES: u32 = 30;
+/// Gauge beside the surface up to which nodes follow it in part.
+const FOLLOWING: f64 = 0.3;
+
+impl Solver {
+    /// Gives the problem's implant the numbers of its deformation that multigrid has found.
+    pub(super) fn deform_as_multigrid(&mut self) {
+        if let Some(modes) = self.multigrid.as_ref().and_then(Multigrid::modes) {
+            self.deform(modes);
+        }
+    }
+
+    fn deform(&mut self, modes: Modes<f64>) {
+        if self.problem.obstacle.dome.shape.soft().is_some() {
+            Arc::make_mut(&mut self.problem).obstacle.dome.set_modes(modes);
+        }
+    }
+
+    /// Moves an implant that yields towards the balance with the solution of Newton's method, and starts again from there; false if it
+    /// is balanced.
+    pub(super) fn rebalance(&mut self) -> bool {
+        let dome = &self.problem.obstacle.dome;
+        let Some(mut yielding) = Yielding::of(dome, self.problem.mirrored()) else { return false };
+        let step = yielding.step(&self.solution().part_reactions().work(&self.solution()));
+        let most = BALANCED * self.problem.tolerance * dome.reference_length();
+        self.balances += 1;
+        if yielding.greatest_move(&step) <= most {
+            return false;
+        }
+        if self.balances > MAX_BALANCES {
+            self.end(Verdict::NotConverged);
+            return true;
+        }
+        yielding.advance(&step);
+        let before = dome.clone();
+        self.deform(yielding.modes);
+        let dome = &self.problem.obstacle.dome;
+        for k in 0..self.x.len() {
+            let way: DVec3 = dome.way_after(&before, self.x[k], FOLLOWING);
+            self.x[k] += way;
+            self.outer.iter_mut().for_each(|layer| layer[k] += way);
+        }
+        self.start_newton(Start::FromSolution);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests;
