@@ -225,6 +225,17 @@ fn practice_tables_of_any_text_are_valid_or_rejected() {
 }
 
 #[test]
+fn surfaces_in_scenes_are_read_or_rejected() {
+    let accepted = std::cell::Cell::new(0);
+    let shapes = (3_u8..40, 0_u8..6, vec(any::<u8>(), 0..600));
+    check(300, &shapes, |(count, kind, rest)| {
+        let bytes: Vec<u8> = [count, kind].into_iter().chain(rest).collect();
+        accepted.set(accepted.get() + i32::from(hostile::check_kept_surface(&bytes)));
+    });
+    assert!(accepted.get() > 30, "{accepted:?} are too few to say much");
+}
+
+#[test]
 fn tensile_tests_of_any_table_are_read_or_rejected() {
     let accepted = std::cell::Cell::new(0);
     let head =

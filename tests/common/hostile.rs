@@ -1,5 +1,8 @@
 //! Properties of any input, shared by the property tests and the fuzz targets.
 
+use implant_preview::body::before_after::Before;
+use implant_preview::body::marks::Side;
+use implant_preview::body::torso::builtin;
 use implant_preview::clinical::{
     Column, Draft, LengthUnit, MAX_SIZES, Measurements, PracticeTable, Reading, Shelf,
 };
@@ -115,6 +118,52 @@ pub(crate) fn check_scene(read: &Result<Scene, SceneError>) {
     assert!(problem.sheet().free_nodes() > 0);
     assert_eq!(problem.materials.len(), scene.layers.len());
     assert!(problem.sheet().radius_mm() >= problem.obstacle.dome.reference_length() * (1.0 - 1e-6));
+}
+
+/// Checks that bytes as the surface in a scene's `body` are rejected with one line, or equal after a round trip; fits and measures of it end. Returns whether
+/// they are accepted.
+pub(crate) fn check_kept_surface(bytes: &[u8]) -> bool {
+    const SIGNS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let [count, kind, rest @ ..] = bytes else { return false };
+    // Signs of base64, mostly whole triples of numbers; few vertices, so that triangles may have them.
+    let sign = |byte: &u8| char::from(SIGNS[usize::from(byte & 63)]);
+    let end = (8 * usize::from(*count)).min(rest.len());
+    let [vertices, triangles] = [&rest[..end], &rest[end..]].map(|part| match kind {
+        0 => String::from_utf8_lossy(part).into_owned(),
+        1 => part.iter().map(sign).collect(),
+        _ => part[..part.len() / 8 * 8].iter().map(sign).collect::<String>(),
+    });
+    // Small indices: low bytes of a few vertices, no high bytes.
+    let small = |text: String| -> String {
+        let of = |(k, c): (usize, char)| match k % 8 {
+            0 => ['A', 'B', 'C'][c as usize % 3],
+            3 => char::from(SIGNS[c as usize % 12]),
+            _ => 'A',
+        };
+        text.chars().enumerate().map(of).collect()
+    };
+    let triangles = if *kind > 2 { small(triangles) } else { triangles };
+    let marks = serde_json::to_value(builtin().marks).expect("marks are written");
+    let scene = json!({ "implant": { "base_radius_mm": 60 }, "side": "left", "body": {
+        "unit": "mm", "cover_mm": 10, "origin_mm": [80, 0, 100], "axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        "marks": marks,
+        "surface": { "least_mm": [-160, -250, -120], "step_mm": 0.005, "vertices": vertices, "triangles": triangles },
+    } });
+    let read = Scene::from_json(&scene.to_string());
+    check_scene(&read);
+    let Ok(mut scene) = read else { return false };
+    let placement = scene.placement.clone().expect("given");
+    let surface = placement.surface.expect("given").surface().clone();
+    for side in [Side::Left, Side::Right] {
+        let before = Before::new(surface.clone(), &placement.marks, side, placement.cover_mm);
+        let rows = before.expect("marks of a body");
+        let rows = rows.rows((&surface, &placement.marks), 0.0);
+        assert!(rows.iter().all(|row| row.gain.is_none_or(|gain| gain.abs() < 1e-6)));
+    }
+    if let Err(error) = scene.add_other_side() {
+        check_message(&error);
+    }
+    true
 }
 
 /// Slices of a solve of [`check_layered_solve`].
