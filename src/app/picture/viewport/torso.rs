@@ -9,6 +9,8 @@ use crate::view::camera::{Camera, Standing, View};
 use crate::view::torso::Torso;
 use std::rc::Rc;
 
+/// Greatest number of vertices of a scan that is kept beside its reduced surface: 10 MB.
+const KEPT_VERTICES: usize = 200_000;
 /// Number of bodies that are kept.
 const BODIES: usize = 8;
 
@@ -68,7 +70,8 @@ impl Viewport {
     /// Keeps the surface of a scan, the last one, for all plans on its marks.
     pub(crate) fn keep_scan(&mut self, scene: &Scene, surface: &Surface) {
         if let Some(placement) = &scene.placement {
-            self.scan = Some((placement.marks, surface.clone()));
+            let is_kept = surface.positions.len() <= KEPT_VERTICES;
+            self.scan = is_kept.then(|| (placement.marks, surface.clone()));
             self.add_body(scene, surface);
         }
     }
