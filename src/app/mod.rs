@@ -31,6 +31,7 @@ use answer::filling::Filling;
 use answer::measured::Measured;
 use answer::no_answer::NearestSearch;
 use answer::practice::Practices;
+use answer::times::PlanTimes;
 use answer::uncertainty::Uncertainty;
 use eframe::{egui, glow};
 use egui::FocusDirection;
@@ -81,6 +82,7 @@ pub struct App {
 struct Panels {
     range: Range,
     filling: Filling,
+    times: PlanTimes,
     nearest: NearestSearch,
     shelf_largest: ShelfLargest,
 }

@@ -5,7 +5,7 @@
 //!
 //! `measures` (pinch → thicknesses, pull → strain scale) | `pull` (the model of the anterior pull) | `sizes` (base width,
 //! projection, volume, profile class, expander) | `shelf` (the sizes of a clinic) |
-//! `practice` (the volume that a rule of practice takes), `practice_csv` (its table) | `spread` (how tissue differs between people).
+//! `practice` (the volume that a rule of practice takes), `practice_csv` (its table) | `spread` (how tissue differs between people) | `when` (the time after the operation).
 //!
 //! Uses `curve`. Used by `measure`, `scene` and all to their right.
 
@@ -16,6 +16,7 @@ mod pull;
 mod shelf;
 mod sizes;
 pub mod spread;
+mod when;
 
 pub use measures::{
     Cover, Derived, Measurements, REPRODUCIBILITY, SKIN_THICKNESS_MM, SkinClass, Uncertainty,
@@ -32,6 +33,7 @@ pub use shelf::{
     UnitOrigin,
 };
 pub use sizes::{Dimension, Expander, ProfileClass, Size, typical_sizes};
+pub use when::{Expected, When};
 
 use crate::curve::number;
 

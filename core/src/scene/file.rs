@@ -9,6 +9,7 @@ use super::{
     Patient, Placement, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid,
     TissueModel, Visit, limits, one_line, patient, pins, problem,
 };
+use crate::clinical::When;
 use crate::curve::{List, given, given_object, object, present, present_object};
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -150,6 +151,10 @@ pub(super) struct SceneFile {
     /// Of layered tissue: tension of the skin at rest. Default: none.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) skin_state: Option<SkinState>,
+    /// Time after the operation, in place of `skin_state.relaxed` and `skin_state.grown`. A written scene has those.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "When")]
+    pub(super) when: Option<When>,
     /// Of layered tissue: the chest wall. Default: flat.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) chest: Option<ChestFile>,
@@ -255,6 +260,18 @@ impl JsonSchema for Scene {
     }
 }
 
+/// The state of the skin at the time of a file.
+fn skin_state(given: SkinState, when: Option<When>) -> Result<SkinState, SceneError> {
+    let Some(when) = when else { return Ok(given) };
+    if given != given.at(When::OnTheTable) {
+        return Err(problem(
+            "when",
+            "given with skin_state.relaxed or skin_state.grown; allowed: one of them",
+        ));
+    }
+    Ok(given.at(when))
+}
+
 impl SceneFile {
     /// Fills omitted fields with defaults; checks the pins and drops them.
     ///
@@ -284,7 +301,7 @@ impl SceneFile {
         let body = Body {
             patch_radius_mm: patch_radius_mm.unwrap_or(default.patch_radius_mm),
             attachment: file.attachment.unwrap_or_default(),
-            skin_state: file.skin_state.unwrap_or_default(),
+            skin_state: skin_state(file.skin_state.unwrap_or_default(), file.when)?,
             ..default
         };
         // For each layer of the file the fields that a patient may fill.

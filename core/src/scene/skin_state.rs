@@ -1,6 +1,7 @@
 //! The state of the skin: its natural tension at rest, and what has relaxed of the tension above it.
 
 use super::{Field, Scene, SceneError, TissueModel, out_of_range};
+use crate::clinical::When;
 use crate::curve::{number, present};
 use crate::mesh::NaturalStretch;
 use crate::springs::Material;
@@ -108,7 +109,32 @@ impl SkinState {
     }
 }
 
+impl SkinState {
+    /// The state at a time after the operation, with relaxation and growth as expected.
+    #[must_use]
+    pub fn at(self, when: When) -> Self {
+        Self { relaxed: when.relaxed().value, grown: when.grown().value, ..self }
+    }
+}
+
 impl Scene {
+    /// The scene at a time after the operation; a sheet has none and stays as it is.
+    #[must_use]
+    pub fn at(&self, when: When) -> Self {
+        let mut scene = self.clone();
+        if self.is_layered() {
+            scene.body.skin_state = self.body.skin_state.at(when);
+        }
+        scene
+    }
+
+    /// The time after the operation whose expected relaxation and growth the skin has; `None` with other numbers.
+    #[must_use]
+    pub fn when(&self) -> Option<When> {
+        let state = self.body.skin_state;
+        When::ALL.into_iter().find(|when| state == state.at(*when))
+    }
+
     /// Checks that the scene may have a state of the skin.
     pub(super) fn check_skin_state(&self) -> Result<(), SceneError> {
         if self.body.tissue_model == TissueModel::Sheet

@@ -10,7 +10,7 @@
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices from rows), `expansion` (from a polynomial of the samples), `fits` (of all quantities) | `percentile` | `unknown` (about a person) |
 //! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `each` (all of a list) | `first_usual` (the first of a list that stays usual) |
-//! `practice` (the stretch that practice's volumes give) | `usual_range` (the largest volume that stays usual, over sampled patients).
+//! `practice` (the stretch that practice's volumes give) | `times` (a plan on the table, after a week, after six months) | `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
 //! Uses `scene`, `simulate` and all to their left; no clock, and threads in `many` only. Used by `platform` and `app`.
 
@@ -49,6 +49,7 @@ mod schema;
 mod section_band;
 mod sequence;
 mod template;
+mod times;
 mod unknown;
 mod usual_range;
 
@@ -77,6 +78,7 @@ pub use schema::SchemaOf;
 pub use section_band::SectionBand;
 pub use sequence::{MAX_SAMPLES, normal_quantile, quantile, unit_sample};
 pub use template::{Template, TemplateError};
+pub use times::{AtTime, TIMES_SCHEMA, Times, TimesFile};
 pub use unknown::{Unknown, has_same_patients};
 pub use usual_range::{PATIENTS, USUAL_STEP_ML, UsualRange, UsualVolumes};
 

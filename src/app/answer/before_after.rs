@@ -85,6 +85,12 @@ pub(crate) fn table(measured: &Measured, session: &Session, of: Of) -> Option<Ta
 
 /// Shows the table, and what it does not contain.
 pub(crate) fn show(ui: &mut Ui, table: Table, id: &str) {
+    show_table(ui, table, id);
+    remark(ui, tr(NOT_COMPUTED));
+}
+
+/// Shows a table.
+pub(super) fn show_table(ui: &mut Ui, table: Table, id: &str) {
     let heads: Vec<(String, String)> =
         table.heads.into_iter().map(|head| (head, String::new())).collect();
     let line = |(name, about, cells): (String, &'static str, Vec<String>)| Line {
@@ -104,7 +110,6 @@ pub(crate) fn show(ui: &mut Ui, table: Table, id: &str) {
             columns.row(ui, [&line.name, line.about], line.cells.iter(), cell);
         }
     });
-    remark(ui, tr(NOT_COMPUTED));
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! and limits of all of them are those of [`bands`].
 //!
 //! `figures` (of the answer, with their words) | `cards` (figures and words of the cards) | `shares` (sampled patients by word), `bar` (their bars without a toolkit), `draw` (the cards on
-//! the screen) | `columns` (lines of cells) | `measured` (her body's measures, computed once a shape), `before_after` (their table).
+//! the screen) | `columns` (lines of cells) | `measured` (her body's measures, computed once a shape), `before_after` (their table) | `times` (the plan on the table and later).
 
 mod bar;
 pub(crate) mod before_after;
@@ -21,6 +21,7 @@ pub(crate) mod plots;
 pub(crate) mod practice;
 mod shares;
 pub(crate) mod stability;
+pub(crate) mod times;
 pub(crate) mod uncertainty;
 
 pub(super) use bar::Bar;

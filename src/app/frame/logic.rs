@@ -191,7 +191,7 @@ impl App {
         self.studies.poll(ctx, is_working && !self.shared.is_long());
         let Self { shared, studies, panels, .. } = self;
         let Shared { session, choices, uncertainty, volume_marks, practices, .. } = shared;
-        let Panels { range, filling, nearest, shelf_largest } = panels;
+        let Panels { range, filling, times, nearest, shelf_largest } = panels;
         let scene = session.scene();
         studies.share(session);
         // What is not known is sampled after an edit and its solve.
@@ -205,6 +205,7 @@ impl App {
         practices.advance(&wanted, choices.device, studies, is_busy);
         range.advance(ctx, scene, practices, studies);
         filling.advance(scene, choices.device, studies, is_busy);
+        times.advance(scene, studies, is_busy);
         nearest.advance(session, studies, is_busy);
         range.judge_sizes(scene, practices, studies, is_busy);
         let sizes = &range.sizes;

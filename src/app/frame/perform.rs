@@ -273,7 +273,8 @@ impl App {
             Purpose::File => ("png", report::png_of(&report::figure(shared)?)?),
             Purpose::Report => (
                 files::REPORT,
-                report::report(shared, &mut panels.range, &panels.filling)?.into_bytes(),
+                report::report(shared, &mut panels.range, (&panels.filling, &panels.times))?
+                    .into_bytes(),
             ),
             Purpose::Clipboard => {
                 ctx.copy_image(report::figure(shared)?);

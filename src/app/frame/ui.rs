@@ -203,7 +203,7 @@ impl App {
         }
     }
 
-    /// The cards or the missing answer in words, the filling of an expander, what is not known, the comparison and the details.
+    /// The cards or the missing answer in words, the plan's times, the filling of an expander, what is not known, the comparison and the details.
     fn answer(&mut self, ui: &mut Ui, layout: Layout) {
         answer::heading(ui, &self.shared.session);
         if layout == Layout::Wide {
@@ -237,6 +237,7 @@ impl App {
         steady(ui, "sources", |ui| {
             answer::sources(ui, &shared.session, &mut shared.practices, actions);
         });
+        panels.times.section(ui, shared.session.scene());
         panels.filling.section(ui, shared, actions);
         steady(ui, "uncertainty", |ui| shared.uncertainty.show(ui, &shared.session));
         steady(ui, "compare", |ui| {

@@ -2,7 +2,7 @@
 //! springs.
 
 use super::device::Device;
-use super::fat;
+use super::{fat, when};
 use crate::app::answer::stability;
 use crate::app::curve_editor;
 use crate::app::frame::research;
@@ -18,7 +18,7 @@ use eframe::egui::{self, RichText, Ui};
 const ACCURACIES: [(&str, usize, f64); 3] =
     [("Fast", 65, 1e-3), ("Normal", 129, 1e-4), ("Fine", 257, 1e-4)];
 
-/// Shows the fold of the tissue, closed at first: what `add` shows, fat, layers with their curves. Returns the layer whose points are to
+/// Shows the fold of the tissue, closed at first: what `add` shows, fat, skin at rest and time, layers with their curves. Returns the layer whose points are to
 /// be edited.
 pub(crate) fn tissue(
     ui: &mut Ui,
@@ -34,6 +34,7 @@ pub(crate) fn tissue(
     let fold = header.show_unindented(ui, |ui| {
         add(ui, scene);
         fat::show(ui, scene, hand);
+        when::show(ui, scene, hand);
         layers(ui, scene)
     });
     set_accessible_name(&fold.header_response, egui::Role::DisclosureTriangle, tr("Tissue"));
@@ -68,7 +69,8 @@ pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
 /// Is the model the usual one: skin on solid layers, standard law, patch and attachment of every plan?
 fn is_standard(scene: &Scene) -> bool {
     let usual = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
-    scene.springs == Springs::Coupled && scene.body == usual
+    let body = Body { skin_state: usual.skin_state, ..scene.body };
+    scene.springs == Springs::Coupled && body == usual
 }
 
 /// Is the accuracy that of the opening plan?

@@ -3,7 +3,7 @@
 //!
 //! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `plain` (numbers shown by their rows alone) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
-//! (patient and visit in words, with the `date`).
+//! (patient and visit in words, with the `date`) | `when` (the skin at rest, and the time after the operation).
 
 pub(crate) mod advanced;
 mod chest;
@@ -25,6 +25,7 @@ mod visit;
 pub(crate) mod volume_band;
 pub(crate) mod volume_marks;
 pub(crate) mod volumes;
+pub(crate) mod when;
 
 pub(super) use chest::chest_in_words;
 pub(super) use form::{fields, set};
@@ -79,6 +80,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         Some((tr("Projection"), centimetres(implant.projection_mm))),
         size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),
     ];
+    let [rest, time] = when::rows(scene);
     let after_size = [
         length(tr("Pinch"), measured.pinch_mm),
         class,
@@ -87,6 +89,8 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         length(tr("Nipple–fold, stretched"), measured.fold_stretched_mm),
         fill,
         Some((tr("Tissue"), layers.join(", "))),
+        rest,
+        time,
         scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
         Some((

@@ -1,4 +1,4 @@
-//! The command line: `simulate`, `scan`, `map`, `bands`, `schema`, `curve`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
+//! The command line: `simulate`, `scan`, `map`, `bands`, `times`, `schema`, `curve`, `tension`, `charts`, `stability`, `bench`, `validate` and `stress`.
 //! Native only.
 //!
 //! Exit codes: 0 success; 1 internal error, or standard output is closed; 2 bad input (one line on standard error: file, field, allowed
@@ -27,6 +27,7 @@ mod stream;
 mod stress;
 mod studies;
 mod tension;
+mod times;
 mod utf16;
 mod validate;
 
@@ -63,6 +64,8 @@ enum Command {
     Map(studies::MapArguments),
     /// Solve a scene over what is not known about a person and write percentiles and importance.
     Bands(studies::BandsArguments),
+    /// Solve a scene on the table, a week and six months after the operation, and write its figures with their ranges.
+    Times(times::Arguments),
     /// Write the JSON Schema of a format.
     Schema(schema::Arguments),
     /// Read a raw tensile test and write its curve; standard error has what was recognised, left out and converted.
@@ -132,6 +135,7 @@ pub fn run() -> Next {
         Command::Scan(arguments) => scan::run(&arguments),
         Command::Map(arguments) => studies::map(&arguments),
         Command::Bands(arguments) => studies::bands(&arguments),
+        Command::Times(arguments) => times::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Curve(arguments) => curve::run(&arguments),
         Command::Tension(arguments) => tension::run(&arguments),

@@ -115,7 +115,7 @@ fn default_axes() -> Vec<Axis> {
     ]
 }
 
-fn scene(path: &Path) -> Result<Scene, InputError> {
+pub(super) fn scene(path: &Path) -> Result<Scene, InputError> {
     let bytes = file::read(path, MAX_SCENE_BYTES)?;
     let scenes =
         read::scenes(&bytes, Format::Json).map_err(|error| output::input_error(path, error))?;
@@ -128,7 +128,7 @@ fn scene(path: &Path) -> Result<Scene, InputError> {
 }
 
 /// Solves studies one after the other, until the end or a signal.
-struct Solver {
+pub(super) struct Solver {
     runner: JobThreads<Box<dyn FnMut() -> bool>>,
     store: Cases,
     signal: Signal,
@@ -136,7 +136,7 @@ struct Solver {
 
 impl Solver {
     /// A solver of studies; a solver of scenes for each thread goes from job to job.
-    fn new(threads: &ThreadCount) -> Result<Self, InputError> {
+    pub(super) fn new(threads: &ThreadCount) -> Result<Self, InputError> {
         let signal = Signal::default();
         let flag = signal.clone();
         let is_ended: Box<dyn FnMut() -> bool> = Box::new(move || flag.has_come());
@@ -146,14 +146,14 @@ impl Solver {
         Ok(Self { runner, store: Cases::default(), signal })
     }
 
-    fn solve(&mut self, study: &mut dyn Study) {
+    pub(super) fn solve(&mut self, study: &mut dyn Study) {
         // The hook has reported the panic.
         run_study(study, &mut self.store, &mut self.runner)
             .unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
     }
 
     /// The status of a run with or without values, unless a signal has ended the run.
-    fn status(&self, study: &dyn Study, has_values: bool) -> ExitStatus {
+    pub(super) fn status(&self, study: &dyn Study, has_values: bool) -> ExitStatus {
         if self.signal.has_come() {
             let (done, all) = study.progress();
             stream::warn_of_signal(&format!("{done} of {all} scenes are in the output"));

@@ -16,6 +16,7 @@ use crate::app::answer::before_after;
 use crate::app::answer::compare;
 use crate::app::answer::filling::Filling;
 use crate::app::answer::practice::{Practices, rule_in_short};
+use crate::app::answer::times::PlanTimes;
 use crate::app::answer::uncertainty::Findings;
 use crate::app::answer::{self, PreviousResults};
 use crate::app::answer::{no_answer, plots};
@@ -171,7 +172,7 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
 pub(crate) fn report(
     shared: &mut Shared,
     range: &mut Range,
-    filling: &Filling,
+    (filling, times): (&Filling, &PlanTimes),
 ) -> Result<String, String> {
     let Pictures { poses, pins, further, missing, accuracy } = pictures(shared, range)?;
     let Shared { session, choices, uncertainty, volume_marks, practices, measured, .. } = &*shared;
@@ -210,6 +211,7 @@ pub(crate) fn report(
         ),
         measures: before_after::table(measured, session, before_after::Of::Pins),
         bands: uncertainty.about_bands(session.scene()),
+        times: times.table(session.scene()),
         steps: filling.steps(session.scene()),
         limits: answer::limits_in_words(session, practices, device, rule_in_short).to_vec(),
         plan_json: shared.document(),

@@ -6,6 +6,7 @@ use super::html::{escaped, put};
 use crate::app::answer::Bar;
 use crate::app::answer::before_after;
 use crate::app::answer::fill_steps;
+use crate::app::answer::times;
 use crate::app::texts::{self, tr};
 use crate::study::NOTES;
 use base64::Engine as _;
@@ -51,6 +52,8 @@ pub(super) struct Page {
     pub(super) table: Vec<(String, Vec<[String; 2]>)>,
     /// The measures of her body before and after, if the plan has it.
     pub(super) measures: Option<before_after::Table>,
+    /// The plan on the table and later, once its skin has a state.
+    pub(super) times: Option<before_after::Table>,
     /// What the bands are, if the results have bands.
     pub(super) bands: Option<String>,
     /// The fill steps of an expander, heads first; may be empty.
@@ -157,16 +160,21 @@ impl Page {
         put(page, "h2", tr("Numbers"));
         numbers(page, &self.table);
         page.push_str("</div>");
-        if let Some(measures) = &self.measures {
+        let tables = [
+            (&self.measures, before_after::TITLE, before_after::NOT_COMPUTED),
+            (&self.times, times::TITLE, times::NOTE),
+        ];
+        for (measures, title, note) in tables {
+            let Some(measures) = measures else { continue };
             page.push_str("<div>");
-            put(page, "h2", tr(before_after::TITLE));
+            put(page, "h2", tr(title));
             let head = [String::new()].into_iter().chain(measures.heads.iter().cloned());
             let row = |(name, _, cells): &(String, &str, Vec<String>)| -> Vec<String> {
                 [name].into_iter().chain(cells).cloned().collect()
             };
             let rows: Vec<Vec<String>> = measures.lines.iter().map(row).collect();
             table(page, "measures", &head.collect::<Vec<_>>(), &rows);
-            let note = escaped(tr(before_after::NOT_COMPUTED));
+            let note = escaped(tr(note));
             let _ = write!(page, "<p class=\"quiet\">{note}</p></div>");
         }
         if let Some((head, rows)) = self.steps.split_first() {
@@ -326,6 +334,7 @@ mod tests {
                 heads: vec![hostile.clone()],
                 lines: vec![(hostile.clone(), "", vec!["+7".to_owned()])],
             }),
+            times: None,
             bands: Some(hostile.clone()),
             steps: vec![vec![hostile.clone()], vec![hostile.clone()]],
             limits: vec![("Pressure", hostile.clone())],

@@ -1,0 +1,109 @@
+//! The state of the skin as two choices: its tension at rest, and the time after the operation.
+
+use crate::app::plan::{Hand, chip, chips};
+use crate::app::texts::{fixed, tr};
+use crate::app::widgets::{group, remark};
+use crate::clinical::When;
+use crate::scene::{Scene, SkinState};
+use eframe::egui::Ui;
+
+/// Natural tensions that the choice sets \[N/m\]: the first under which a measured pull has a strain scale.
+const TENSIONS: [f64; 4] = [20.0, 15.0, 10.0, 5.0];
+
+/// A time: its name and what it means.
+const TIMES: [(When, &str, &str); 3] = [
+    (When::OnTheTable, "On the table", "Within the hour: nothing has relaxed or grown."),
+    (
+        When::Week,
+        "A week",
+        "Half of the tension that the implant adds to the skin has relaxed, and 30 % of the skin's stretch has become growth: estimates, ± 10 and 20 points.",
+    ),
+    (
+        When::SixMonths,
+        "Six months",
+        "Half of the tension that the implant adds to the skin has relaxed, and 80 % of the skin's stretch has become growth: estimates, ± 10 and 20 points. \
+         The fold is about 14 mm lower (14 women, Eder et al. 2011), which no picture shows.",
+    ),
+];
+
+/// Shows the choices; nothing for a sheet.
+pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    if !scene.is_layered() {
+        return;
+    }
+    group(ui, tr("Skin at rest"), |ui| {
+        let tension = scene.body.skin_state.natural_tension_n_per_m;
+        chips(ui, |ui| {
+            let about = tr("As if the skin were slack before the operation.");
+            if chip(ui, hand, tension <= 0.0, tr("Without tension"), about) {
+                // Without a tension every pull has a strain scale.
+                let _ = scene.set_natural_tension(0.0);
+            }
+            let about = tr(
+                "20 N/m before the operation, or as much as the measured pull leaves: an assumption, no measurement of \
+                 breast skin was found. The pull then counts under this tension.",
+            );
+            if chip(ui, hand, tension > 0.0, tr("Under tension"), about) {
+                let _ = TENSIONS.iter().any(|tension| scene.set_natural_tension(*tension).is_ok());
+            }
+        });
+        if tension > 0.0 {
+            remark(ui, tr!("{tension} N/m before the operation", tension = fixed(tension, 0)));
+        }
+    });
+    group(ui, tr("Time after the operation"), |ui| {
+        let present = scene.when();
+        chips(ui, |ui| {
+            for (when, name, about) in TIMES {
+                if chip(ui, hand, present == Some(when), tr(name), tr(about)) {
+                    *scene = scene.at(when);
+                }
+            }
+        });
+    });
+}
+
+/// The name of a time.
+pub(crate) fn name(when: When) -> &'static str {
+    let found = TIMES.iter().find(|(time, ..)| *time == when);
+    tr(found.map_or("", |(_, name, _)| name))
+}
+
+/// The state of the skin in words, of skin that has one.
+pub(super) fn rows(scene: &Scene) -> [Option<(&'static str, String)>; 2] {
+    let SkinState { natural_tension_n_per_m, relaxed, grown, .. } = scene.body.skin_state;
+    let numbers = || {
+        tr!(
+            "{relaxed:.0} % of the tension left, {grown:.0} % grown",
+            relaxed = 100.0 * relaxed,
+            grown = 100.0 * grown
+        )
+    };
+    let time = scene.when().filter(|when| *when != When::OnTheTable);
+    let is_own = scene.when() != Some(When::OnTheTable);
+    [
+        (natural_tension_n_per_m > 0.0)
+            .then(|| (tr("Skin at rest"), format!("{} N/m", fixed(natural_tension_n_per_m, 0)))),
+        is_own.then(|| {
+            let words = time.map_or_else(numbers, |when| name(when).to_owned());
+            (tr("Time after the operation"), words)
+        }),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_has_its_state_in_words_once_it_has_one() {
+        let mut scene = Scene::opening();
+        assert_eq!(rows(&scene), [None, None]);
+        scene.set_natural_tension(20.0).unwrap();
+        scene = scene.at(When::SixMonths);
+        let [rest, time] = rows(&scene).map(|row| row.unwrap().1);
+        assert_eq!([&*rest, &*time], ["20 N/m", "Six months"]);
+        scene.body.skin_state.grown = 0.5;
+        assert_eq!(rows(&scene)[1].as_ref().unwrap().1, "50 % of the tension left, 50 % grown");
+    }
+}
