@@ -14,7 +14,8 @@ const MAX_VISITS: usize = 30;
 
 /// What the rows are, and what they leave out.
 pub(crate) const NOTE: &str = "Each row is the answer as if the expander were filled to that volume at once. Skin relaxes and grows between the \
-     visits, so pressure falls and later fills meet more skin: the model leaves both out. Skin kept: about a third (35 %) of the gained skin, \
+     visits, so pressure falls: after a week to the last column of the whole table (half of the added tension relaxed, 30 % of the stretch grown, both estimates; \
+     in pigs from 30–60 to at most 10 mmHg in three days). That later fills meet more skin the model leaves out. Skin kept: about a third (35 %) of the gained skin, \
      the part that remained with tissue expanders.";
 
 /// What a row of a file is.
@@ -26,11 +27,11 @@ const CONVENTION: &str = "Your choice: no measurement fixes these numbers. In on
      (ePlasty 2023, 23, e12), in another 68 % of the expander (Plast Reconstr Surg 2011, 127, 1065). Afterwards \
      50–60 ml a week are a habit of practices; pain and pale skin end a visit.";
 
-/// The columns that follow from the others, which a narrow table does without: visit, added, gained.
-const FOLLOWING: [usize; 3] = [1, 2, 8];
+/// The columns that follow from the others, which a narrow table does without, and the pressure a week later: visit, added, gained, later.
+const FOLLOWING: [usize; 4] = [1, 2, 8, 10];
 
 /// Heads of the columns; a number has its word in a column of its own.
-const HEADS: [&str; 10] = [
+const HEADS: [&str; 11] = [
     "Week",
     "Visit",
     "Added (ml)",
@@ -41,6 +42,7 @@ const HEADS: [&str; 10] = [
     "Skin stretch, in a word",
     "Skin gained (cm²)",
     "Skin kept (cm²)",
+    "A week later (mmHg)",
 ];
 /// The words of the lowest bands, which the table on the screen leaves out.
 const LOWEST: [&str; 2] = ["usual", "reserve left"];
@@ -62,6 +64,15 @@ enum Use {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FillSteps(pub(crate) FillSchedule);
 
+/// The curves over the fill that the table reads.
+#[derive(Clone, Copy)]
+pub(crate) struct Curves<'a> {
+    /// Right after filling.
+    pub(crate) curve: &'a Map,
+    /// A week after filling; `None` before it is solved.
+    pub(crate) later: Option<&'a Map>,
+}
+
 impl FillSteps {
     /// The total fills \[ml\], operation first, up to a full fill \[ml\] or [`MAX_VISITS`].
     fn fills(self, full_ml: f64) -> Vec<f64> {
@@ -72,14 +83,14 @@ impl FillSteps {
     }
 
     /// The table up to a full fill \[ml\] as a surgeon reads it, heads first; a fill beyond the curve has no values.
-    pub(crate) fn rows(self, curve: &Map, full_ml: f64) -> Vec<Vec<String>> {
-        self.rows_with(curve, full_ml, mmhg)
+    pub(crate) fn rows(self, curves: Curves<'_>, full_ml: f64) -> Vec<Vec<String>> {
+        self.rows_with(curves, full_ml, mmhg)
     }
 
     /// [`Self::rows`] with the texts of the pressures.
     fn rows_with(
         self,
-        curve: &Map,
+        Curves { curve, later }: Curves<'_>,
         full_ml: f64,
         pressure_text: fn(f64) -> String,
     ) -> Vec<Vec<String>> {
@@ -107,6 +118,9 @@ impl FillSteps {
                 stretch_word.unwrap_or_else(none),
                 gain.map_or_else(none, whole),
                 gain.map_or_else(none, |gain| whole(bands::REALISED_AREA_GAIN * gain)),
+                later
+                    .and_then(|later| later.between(Quantity::GreatestPressureMmhg, fill, 0.0))
+                    .map_or_else(none, pressure_text),
             ]);
             before = fill;
         }
@@ -135,7 +149,7 @@ impl FillSteps {
     pub(crate) fn show(
         &mut self,
         ui: &mut Ui,
-        curve: &Map,
+        curves: Curves<'_>,
         full_ml: f64,
         is_solved: bool,
     ) -> Option<Vec<Vec<String>>> {
@@ -145,13 +159,13 @@ impl FillSteps {
         };
         ui.label(RichText::new(title).small().strong());
         self.fields(ui);
-        let rows = self.rows(curve, full_ml);
+        let rows = self.rows(curves, full_ml);
         egui::ScrollArea::horizontal().id_salt("fill steps").show(ui, |ui| {
             let grid = egui::Grid::new("fill steps").num_columns(HEADS.len()).min_col_width(0.0);
             let is_narrow = ui.available_width() < whole_width(ui, &rows);
             grid.striped(true).spacing([SPACE, 2.0]).show(ui, |ui| table(ui, &rows, is_narrow));
         });
-        let missing = self.missing(curve, full_ml);
+        let missing = self.missing(curves.curve, full_ml);
         if !missing.is_empty() {
             remark(ui, missing);
         }
@@ -180,7 +194,7 @@ impl FillSteps {
             }
             Use::Save => {
                 // The names of the columns of a file are English, and its numbers have points.
-                let rows = self.rows_with(curve, full_ml, whole).into_iter().skip(1);
+                let rows = self.rows_with(curves, full_ml, whole).into_iter().skip(1);
                 let heads = [HEADS.map(str::to_owned).to_vec()];
                 let mut rows: Vec<_> = heads.into_iter().chain(rows).collect();
                 for week in rows.iter_mut().filter_map(|row| row.first_mut()) {
@@ -299,12 +313,13 @@ mod tests {
             curve.receive(index, evaluate(&job), &mut store);
         }
         let schedule = steps(50.0, 150.0);
-        let rows = schedule.rows_with(&curve, 600.0, whole);
-        let shown = schedule.rows(&curve, 600.0);
+        let curves = Curves { curve: &curve, later: Some(&curve) };
+        let rows = schedule.rows_with(curves, 600.0, whole);
+        let shown = schedule.rows(curves, 600.0);
         assert_eq!(shown[5][4], "over 100");
         assert_eq!(shown[2], rows[2]);
         assert_eq!(rows[0], HEADS);
-        assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–", "–", "–", "–"]);
+        assert_eq!(rows[1], ["0", "op.", "50", "50", "–", "–", "–", "–", "–", "–", "–"]);
         assert_eq!(rows[2][..4], ["2", "1", "150", "200"]);
         assert_eq!(rows.last().unwrap()[..4], ["8", "4", "100", "600"]);
         assert_eq!(rows.len(), 6);
@@ -323,8 +338,10 @@ mod tests {
             );
             assert_eq!(row[7], bands::stretch(stretch, None).1);
             let gain = value(Quantity::SkinAreaGainCm2);
-            assert_eq!(row[8..], [number(gain), number(0.35 * gain)]);
+            assert_eq!(row[8..], [number(gain), number(0.35 * gain), number(pressure)]);
         }
+        let before = schedule.rows(Curves { curve: &curve, later: None }, 600.0);
+        assert_eq!((&before[2][..10], &*before[2][10]), (&shown[2][..10], "–"));
         // A column has either numbers or words; the greatest fill is above usual.
         for row in &rows[2..] {
             for (column, cell) in row.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The filling of an expander: pressure, force and gained skin against the fill, each point one solved scene; `fill_steps` reads
 //! the curves at each visit.
 
-use super::fill_steps::{self, FillSteps};
+use super::fill_steps::{self, Curves, FillSteps};
 use super::plots::fixed_plot;
 use crate::app::frame::action::Action;
 use crate::app::frame::files;
@@ -13,6 +13,7 @@ use crate::app::range::{marks, within_text};
 use crate::app::texts::{MOST_PRESSURE, fixed, mmhg, tr};
 use crate::app::widgets::theme::{self, Palette, SPACE, SPACE_SMALL};
 use crate::app::widgets::{group, remark};
+use crate::clinical::When;
 use crate::export;
 use crate::measure::bands::{FILLING_PRESSURE_MMHG, REALISED_AREA_GAIN};
 use crate::scene::{Scene, Side};
@@ -60,6 +61,8 @@ const CHARTS: [Chart; 3] = [
 pub(crate) struct Filling {
     curve: Driver<Map>,
     check: Driver<MapCheck>,
+    /// The curve a week after filling.
+    later: Driver<Map>,
     /// The scene of the present curve.
     started: Option<Scene>,
     /// Why there is no curve.
@@ -113,6 +116,7 @@ impl Filling {
             if self.started.take().is_some() {
                 self.curve.cancel(studies);
                 self.check.cancel(studies);
+                self.later.cancel(studies);
             }
             return;
         }
@@ -127,6 +131,21 @@ impl Filling {
             self.check.start(check, studies);
         }
         self.check.advance(studies);
+        if self.later.study().is_none()
+            && self.check.finished().is_some()
+            && let Some(curve) = self.curve.finished()
+            && let Some(base) = &self.started
+            && let Ok(later) =
+                Map::new(&Scene { insertion: 1.0, ..base.at(When::Week) }, curve.axes(), SETTINGS)
+        {
+            self.later.start(later, studies);
+        }
+        self.later.advance(studies);
+    }
+
+    /// The curves that are solved.
+    fn curves<'a>(&'a self, curve: &'a Map) -> Curves<'a> {
+        Curves { curve, later: self.later.finished() }
     }
 
     /// Starts the curve of a scene. Another fill leaves the curve as it is.
@@ -141,6 +160,7 @@ impl Filling {
         }
         self.check.cancel(studies);
         self.curve.cancel(studies);
+        self.later.cancel(studies);
         match Map::new(&base, &[axis], SETTINGS) {
             Ok(curve) => {
                 self.error = None;
@@ -163,7 +183,7 @@ impl Filling {
         let is_of_plan = self.started.as_ref().is_some_and(|started| started.same_physics(scene));
         let full_ml = Parameter::Volume.value(scene).filter(|_| is_of_plan);
         let solved = self.curve.finished().zip(full_ml);
-        solved.map_or_else(Vec::new, |(curve, full)| steps_of(scene).rows(curve, full))
+        solved.map_or_else(Vec::new, |(curve, full)| steps_of(scene).rows(self.curves(curve), full))
     }
 
     /// The section of the curves over the fill; nothing for an implant.
@@ -203,8 +223,10 @@ impl Filling {
         }
         // The table a surgeon works by comes first.
         let solved = self.curve.finished();
-        let table =
-            self.curve.study().and_then(|curve| steps.show(ui, curve, fill, solved.is_some()));
+        let table = self
+            .curve
+            .study()
+            .and_then(|curve| steps.show(ui, self.curves(curve), fill, solved.is_some()));
         ui.add_space(SPACE);
         for chart in &CHARTS {
             ui.label(RichText::new(tr(chart.name)).small().strong());
