@@ -90,7 +90,10 @@ fn places(schema: &Value, root: &Value, of: &Value, at: [&str; 2], found: &mut V
     {
         let path = format!("{path}.{name}").trim_start_matches('.').to_owned();
         let pointer = format!("{pointer}/{name}");
-        places(schema, root, &of[name], [&path, &pointer], found);
+        // A plan holds one of its own form.
+        if name != "other_side" || of[name].is_object() {
+            places(schema, root, &of[name], [&path, &pointer], found);
+        }
         found.push([path, pointer]);
     }
     for (k, entry) in of.as_array().into_iter().flatten().enumerate().take(2) {
