@@ -109,7 +109,7 @@ export interface DeformedBody {
   result: Outcome;
 }
 
-/** Options of `map`: the scene around which the map varies, axes, grid, quantity of the contour lines. */
+/** Options of `map`: the scene around which the map varies, axes, grid, quantity of the contour lines, whether all points are solved. */
 export type MapOptions = MapChoices & { scene: Scene };
 
 /** Options of `bands`: the scene, and what varies. */

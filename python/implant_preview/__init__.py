@@ -279,15 +279,17 @@ def map(  # noqa: A001 - the name of the command
     y: Mapping[str, Any] | None = None,
     grid: Mapping[str, Any] | None = None,
     show: str = "greatest_strain",
+    all: bool = False,  # noqa: A002 - the name of the option
     threads: int | None = None,
 ) -> dict[str, Any]:
     """Solves a map: one or two numbers of a scene varied over a grid.
 
     ``x``, ``y``: ``{"field", "from", "to", "count"}``; ``grid``: ``{"nodes_per_side", "tolerance"}``; ``show``: the quantity of the
-    contour lines. Returns the map as its file has it (docs/formats.md, ``map/1``), and in ``values`` the quantities as arrays of
-    shape (y, x), with one axis (x,), NaN where a scene has no shape.
+    contour lines; ``all``: solves every point, else up to 70, and interpolates the others. Returns the map as its file has it
+    (docs/formats.md, ``map/1``), and in ``values`` the quantities as arrays of shape (y, x), with one axis (x,), NaN where a scene has no
+    shape.
     """
-    given = {"x": x, "y": y, "grid": grid, "show": show}
+    given = {"x": x, "y": y, "grid": grid, "show": show, "all": all}
     options = {name: value for name, value in given.items() if value is not None}
     found = _object(_native.map(_text(scene), _text(options), _threads(threads)))
     rows = [axis["count"] for axis in reversed(found["axes"])]

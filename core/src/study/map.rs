@@ -4,10 +4,11 @@
 //! without convergence keeps this status; no value is interpolated over such a point.
 
 use super::map_levels::Skin;
+use super::map_sample::Sample;
 use super::parameter::{Parameter, with_values};
 use super::queue::Queue;
 use super::{Axis, Case, Cases, Job, Key, MAX_POINTS, MapError, Quantity, Study};
-use crate::curve::{given, number, whole};
+use crate::curve::{number, whole};
 use crate::measure::Status;
 use crate::measure::bands::SkinLimits;
 use crate::scene::{Field, Scene, limits};
@@ -29,39 +30,6 @@ pub struct MapSettings {
 impl Default for MapSettings {
     fn default() -> Self {
         Self { nodes_per_side: 33, tolerance: 1e-3 }
-    }
-}
-
-/// The choices of a map besides its scene, as the JavaScript API and the Python module have them.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MapOptions {
-    /// The first axis.
-    pub x: Axis,
-    /// The second axis, if the map has one.
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Axis")]
-    pub y: Option<Axis>,
-    /// Grid and tolerance.
-    #[serde(default)]
-    pub grid: MapSettings,
-    /// The quantity of the contour lines. Default: the greatest strain.
-    #[serde(default = "greatest_strain")]
-    pub show: Quantity,
-}
-
-fn greatest_strain() -> Quantity {
-    Quantity::GreatestStrain
-}
-
-impl MapOptions {
-    /// The map around a scene.
-    ///
-    /// # Errors
-    /// As [`Map::new`].
-    pub fn map(&self, scene: &Scene) -> Result<Map, MapError> {
-        let axes: Vec<Axis> = [Some(self.x), self.y].into_iter().flatten().collect();
-        Map::new(scene, &axes, self.grid)
     }
 }
 
@@ -173,6 +141,8 @@ pub struct Map {
     /// The points that are solved in full.
     pub(super) border: Border,
     pub(super) skin: Skin,
+    /// What is known between the solved points.
+    pub(super) sample: Sample,
 }
 
 impl Map {
@@ -197,7 +167,8 @@ impl Map {
             return Err(MapError::Same(x.field.name(), y.field.name()));
         }
         let (axes, queue, border) = (axes.to_vec(), Queue::default(), Border::default());
-        let mut map = Self { base, axes, settings, queue, border, skin: Skin::Different };
+        let (skin, sample) = (Skin::Different, Sample::default());
+        let mut map = Self { base, axes, settings, queue, border, skin, sample };
         map.check_ends()?;
         let knee = |(i, j)| map.scene(i, j).ok().and_then(|scene| scene.skin_knee());
         let [first, others @ ..] = map.corners().map(knee);
@@ -242,7 +213,8 @@ impl Map {
     pub fn has_points_of(&self, scene: &Scene) -> bool {
         let (axes, settings) = (self.axes.clone(), self.settings);
         let (queue, border, skin) = (Queue::default(), Border::default(), self.skin);
-        let other = Self { base: base_scene(scene), axes, settings, queue, border, skin };
+        let (base, sample) = (base_scene(scene), Sample::default());
+        let other = Self { base, axes, settings, queue, border, skin, sample };
         // The axes set the same fields at all points; names of tissues are no other points.
         self.corners().into_iter().all(|(i, j)| match (self.scene(i, j), other.scene(i, j)) {
             (Ok(own), Ok(other)) => own.same_physics(&other),
@@ -257,7 +229,7 @@ impl Map {
 
     /// The points from coarse to fine: lattices of half the step of the lattice before. Within a lattice the axis whose
     /// change costs the solver more varies slowly.
-    fn order(&self) -> Vec<usize> {
+    pub(super) fn order(&self) -> Vec<usize> {
         let (columns, rows) = self.shape();
         let lattice = |count: usize, step: usize| -> Vec<usize> {
             let inner = (0..count.saturating_sub(1)).step_by(step);
@@ -348,13 +320,19 @@ impl Map {
     /// The state of a point.
     #[must_use]
     pub fn status(&self, i: usize, j: usize) -> PointStatus {
-        PointStatus::of(self.case(i, j))
+        match self.case(i, j) {
+            None => self.sample.state(j * self.shape().0 + i),
+            case => PointStatus::of(case),
+        }
     }
 
-    /// The value of a converged point.
+    /// The value of a converged point, or the interpolated one.
     #[must_use]
     pub fn value(&self, quantity: Quantity, i: usize, j: usize) -> Option<f64> {
-        self.case(i, j).filter(|case| case.is_converged())?.values.get(quantity)
+        match self.case(i, j) {
+            Some(case) => case.values.get(quantity).filter(|_| case.is_converged()),
+            None => self.interpolated(quantity, i, j).map(|(value, _)| value),
+        }
     }
 
     /// Least and greatest value of the converged points.
@@ -395,12 +373,26 @@ impl Map {
     #[must_use]
     pub fn counts(&self) -> Vec<(PointStatus, usize)> {
         use PointStatus::{Converged, Invalid, NoShape, NotConverged, Waiting};
-        let count = |status| {
-            let cases = self.queue.cases().iter();
-            cases.filter(|case| PointStatus::of(case.as_ref()) == status).count()
-        };
+        let (columns, rows) = self.shape();
+        let states = (0..columns * rows).map(|k| self.status(k % columns, k / columns));
+        let states: Vec<PointStatus> = states.collect();
+        let count = |status| states.iter().filter(|state| **state == status).count();
         let all = [Converged, NotConverged, NoShape, Invalid, Waiting];
         all.into_iter().map(|status| (status, count(status))).filter(|(_, n)| *n > 0).collect()
+    }
+
+    /// Are all points solved that are to be, those at the border of no answer not counted?
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        let (done, all) = self.queue.progress();
+        done == all && !self.sample.is_open()
+    }
+
+    /// Number of solved points.
+    #[must_use]
+    pub fn scenes_solved(&self) -> usize {
+        let solved = |case: &&Case| case.status.is_some();
+        self.cases().iter().flatten().filter(solved).count() + self.border.progress().0
     }
 
     /// The cases of all points, by `j · columns + i`.
@@ -410,19 +402,26 @@ impl Map {
     }
 }
 
-/// Scenes in a job: few enough for a steady progress, enough to share grids and tables.
+/// Scenes in a job: few enough for a steady progress, enough to share grids and tables; of the points of a round, which ends with the last.
 const SCENES_PER_JOB: usize = 10;
+const SCENES_OF_ROUND: usize = 2;
 
 impl Study for Map {
     fn next_job(&mut self, store: &mut Cases) -> Option<(usize, Job)> {
-        // The scenes are made from the rest of the map.
-        let mut queue = std::mem::take(&mut self.queue);
-        let columns = self.shape().0;
-        let scene = |item: usize| self.scene(item % columns, item / columns);
-        let job = queue.next_job(SCENES_PER_JOB, false, store, scene);
-        self.queue = queue;
-        if job.is_some() {
-            return job;
+        let (columns, is_sampled) = (self.shape().0, self.is_sampled());
+        let most = if is_sampled { SCENES_OF_ROUND } else { SCENES_PER_JOB };
+        loop {
+            // The scenes are made from the rest of the map.
+            let mut queue = std::mem::take(&mut self.queue);
+            let scene = |item: usize| self.scene(item % columns, item / columns);
+            let job = queue.next_job(most, false, store, scene);
+            self.queue = queue;
+            if job.is_some() {
+                return job;
+            }
+            if !self.refine() {
+                break;
+            }
         }
         // Stored cases end the queue without a job.
         self.update_border();
@@ -438,6 +437,8 @@ impl Study for Map {
 
     fn progress(&self) -> (usize, usize) {
         let ((done, all), (solved, of_border)) = (self.queue.progress(), self.border.progress());
+        // A round may follow.
+        let done = if self.sample.is_open() { done.min(all.saturating_sub(1)) } else { done };
         (done + solved, all + of_border)
     }
 }

@@ -90,7 +90,10 @@ impl Map {
     /// Finds the point to solve next, once all points are solved.
     pub(super) fn update_border(&mut self) {
         let (done, all) = self.queue.progress();
-        let is_open = self.border.is_wanted && done == all && self.border.tried.len() < MAX_POINTS;
+        let is_open = self.border.is_wanted
+            && done == all
+            && !self.sample.is_open()
+            && self.border.tried.len() < MAX_POINTS;
         self.border.next = if is_open { self.nearest_of_border() } else { None };
     }
 

@@ -1,6 +1,8 @@
 //! A map as a table (CSV) and as JSON.
 
-use super::{Axis, Case, Difference, Map, MapCheck, MapSettings, PointStatus, Quantity, Values};
+use super::{
+    Axis, Case, Difference, Map, MapCheck, MapSettings, PointStatus, Quantity, Source, Values,
+};
 use crate::export::number;
 use crate::measure::bands::Band;
 use crate::scene::Scene;
@@ -33,6 +35,8 @@ pub struct MapFile {
     pub counts: BTreeMap<&'static str, usize>,
     /// Work of all points \[evaluations of all nodal forces\].
     pub evaluations: f64,
+    /// Number of solved points; the others are interpolated.
+    pub scenes_solved: usize,
     /// The points row by row: x varies fastest.
     pub points: Vec<PointFile>,
     /// Contour lines of the shown quantity.
@@ -68,6 +72,12 @@ pub struct PointFile {
     pub pocket_radius_mm: Option<f64>,
     /// The quantities; empty without a shape.
     pub values: Values,
+    /// Where status and values come from; absent of a point about which nothing is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<Source>,
+    /// Errors of interpolated quantities.
+    #[serde(skip_serializing_if = "Values::is_empty")]
+    pub errors: Values,
     /// Why the scene is invalid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
@@ -118,6 +128,13 @@ impl Map {
                     .to_owned(),
             );
         }
+        if self.is_sampled() {
+            notes.push(format!(
+                "{} of {} points are solved, the others are interpolated, with an error of each quantity.",
+                self.scenes_solved() - self.solved_in_full(),
+                self.cases().len()
+            ));
+        }
         let in_full = self.solved_in_full();
         if in_full > 0 {
             notes.push(format!(
@@ -163,6 +180,7 @@ impl Map {
             unit: show.unit(),
             counts: self.counts().into_iter().map(|(s, count)| (s.word(), count)).collect(),
             evaluations: self.cases().iter().flatten().map(|case| case.evaluations).sum(),
+            scenes_solved: self.scenes_solved(),
             points: self.points(),
             contours: self.levels(show).into_iter().enumerate().map(contour).collect(),
             check: check.map(|check| {
@@ -177,12 +195,21 @@ impl Map {
     /// A point for a JSON file.
     #[must_use]
     pub fn point(&self, i: usize, j: usize) -> PointFile {
-        let case = self.case(i, j);
+        let (case, source) = (self.case(i, j), self.source(i, j));
+        let is_interpolated = source == Some(Source::Interpolated);
+        let interpolated = |quantity: Quantity| self.interpolated(quantity, i, j);
+        let of_interpolated = |which: fn((f64, f64)) -> f64| {
+            let known = |quantity: &Quantity| Some((*quantity, which(interpolated(*quantity)?)));
+            let known = Quantity::ALL.iter().filter(|_| is_interpolated).filter_map(known);
+            Values::from(known.collect::<BTreeMap<_, _>>())
+        };
         PointFile {
             at: self.axes().iter().zip([i, j]).map(|(axis, k)| axis.value(k)).collect(),
-            status: PointStatus::of(case),
+            status: self.status(i, j),
             pocket_radius_mm: self.scene(i, j).ok().map(|scene| scene.pocket_radius_mm),
-            values: case.map_or_else(Values::default, |case| case.values),
+            values: case.map_or_else(|| of_interpolated(|of| of.0), |case| case.values),
+            source,
+            errors: of_interpolated(|of| of.1),
             error: case.and_then(|case: &Case| case.error.clone()),
         }
     }
@@ -193,19 +220,23 @@ impl Map {
     }
 
     /// The map as a table: a row for each point, x varies fastest; a value that does not apply is empty. Values of points
-    /// that have not converged carry this status.
+    /// that have not converged carry this status. The last columns are where the values come from, and the errors of interpolated ones.
     #[must_use]
     pub fn csv(&self) -> String {
         let names = self.axes().iter().map(|axis| axis.field.name());
         let mut columns: Vec<String> = names.collect();
         columns.extend(["status".to_owned(), "pocket_radius_mm".to_owned()]);
         columns.extend(Quantity::ALL.map(|quantity| quantity.name().to_owned()));
+        columns.push("source".to_owned());
+        columns.extend(Quantity::ALL.map(|quantity| format!("{}_error", quantity.name())));
         let mut table = columns.join(",") + "\n";
         let cell = |value: Option<f64>| value.map(number).unwrap_or_default();
         for point in self.points() {
             let mut row: Vec<String> = point.at.iter().map(|value| number(*value)).collect();
             row.extend([point.status.word().to_owned(), cell(point.pocket_radius_mm)]);
             row.extend(Quantity::ALL.map(|quantity| cell(point.values.get(quantity))));
+            row.push(point.source.map_or("", Source::word).to_owned());
+            row.extend(Quantity::ALL.map(|quantity| cell(point.errors.get(quantity))));
             // Writing to a String cannot fail.
             let _ = writeln!(table, "{}", row.join(","));
         }

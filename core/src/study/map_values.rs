@@ -8,11 +8,14 @@ use crate::clinical::{Dimension, Size, typical_sizes};
 use crate::scene::{Field, Implant};
 
 impl Map {
-    /// The value to display at a point, and whether the value is solved. The value of a waiting point is interpolated
-    /// between the corners of the finest lattice around the point that is solved; a point that ended without convergence
-    /// has no value, and no value is interpolated from such a point.
+    /// The value to display at a point, and whether the value is known: solved, or interpolated with a small error. The value of a
+    /// waiting point of a map that is solved as a whole is interpolated between the corners of the finest lattice around the point that
+    /// is solved; a point that ended without convergence has no value, and no value is interpolated from such a point.
     #[must_use]
     pub fn displayed(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, bool)> {
+        if let Some((value, _)) = self.interpolated(quantity, i, j) {
+            return Some((value, self.is_known(quantity, i, j)));
+        }
         if self.status(i, j) != PointStatus::Waiting {
             return self.value(quantity, i, j).map(|value| (value, true));
         }

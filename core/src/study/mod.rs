@@ -6,7 +6,7 @@
 //! `quantity` (the figures of a result) | `job` (scenes in, cases out) | `cache` (cases by content) | `runner` (the trait of
 //! all runners) | `many` (jobs on threads, for as long as jobs come) | `job_threads` (the jobs of a study on them) | `queue` (the scenes of a study on their way), `one_by_one` (of a study that asks for one at a time) | `parameter` (the numbers of a scene that a map varies) | `template` (a scene for each row of a table) |
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
-//! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
+//! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_options` (choices) | `map_sample` (points that are solved, values between), `map_column` (of one quantity) | `surface` (a smooth function of scattered values) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices from rows), `expansion` (from a polynomial of the samples), `fits` (of all quantities) | `percentile` | `unknown` (about a person) |
 //! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `each` (all of a list) | `first_usual` (the first of a list that stays usual) |
@@ -31,9 +31,12 @@ pub mod many;
 mod map;
 mod map_border;
 mod map_check;
+mod map_column;
 mod map_file;
 mod map_levels;
+mod map_options;
 mod map_practice;
+mod map_sample;
 mod map_values;
 mod nearest;
 mod no_answer;
@@ -48,6 +51,7 @@ mod samples;
 mod schema;
 mod section_band;
 mod sequence;
+mod surface;
 mod template;
 mod times;
 mod unknown;
@@ -62,10 +66,12 @@ pub use first_usual::FirstUsual;
 pub use importance::{Index, MIN_ROWS, Row, index};
 pub use job::{Case, Evaluator, Job, Profile, evaluate};
 pub use job_threads::JobThreads;
-pub use map::{CHECK, Map, MapOptions, MapSettings, PointStatus};
+pub use map::{CHECK, Map, MapSettings, PointStatus};
 pub use map_check::{Difference, MapCheck};
 pub use map_file::{AxisFile, CheckFile, ContourFile, MAP_SCHEMA, MapFile, PointFile};
+pub use map_options::MapOptions;
 pub use map_practice::{JudgedMap, MapPractice};
+pub use map_sample::Source;
 pub use nearest::{INSERTION_STEP, Nearest, NearestPlan, Search, VOLUME_STEP_ML};
 pub use no_answer::{NoAnswer, implant_in_words, name_in_words, size_in_words, volume_and_width};
 pub use parameter::{Parameter, ParameterError, with_values};

@@ -187,6 +187,11 @@ impl Values {
         Self(Quantity::ALL.map(|quantity| quantity.of(outcome)))
     }
 
+    /// Does no quantity apply?
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.iter().all(Option::is_none)
+    }
+
     /// The value of a quantity \[unit of the quantity\]; `None` where the quantity does not apply.
     #[must_use]
     pub fn get(&self, quantity: Quantity) -> Option<f64> {

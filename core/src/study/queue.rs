@@ -80,10 +80,12 @@ impl Queue {
     }
 
     /// Adds items behind those that wait.
-    pub(super) fn extend(&mut self, items: std::ops::Range<usize>) {
-        self.all += items.len();
-        self.cases.resize(self.cases.len().max(items.end), None);
-        self.waiting.extend(items);
+    pub(super) fn extend(&mut self, items: impl Iterator<Item = usize>) {
+        for item in items {
+            self.all += 1;
+            self.cases.resize(self.cases.len().max(item + 1), None);
+            self.waiting.push_back(item);
+        }
     }
 
     /// A job without scenes.

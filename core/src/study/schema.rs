@@ -1,8 +1,8 @@
 //! JSON Schemas of the formats, generated from the types.
 
+use super::MapOptions;
 use super::bands::BandsSettings;
 use super::bands_report::BandsReport;
-use super::map::MapOptions;
 use super::map_file::MapFile;
 use super::quantity::short;
 use crate::measure::Outcome;

@@ -242,7 +242,9 @@ impl Range {
         self.error = empty_axis(&axes);
         if self.error.is_none() {
             match Map::new(scene, &axes, MapSettings::default()) {
-                Ok(map) => return self.map.start(map.with_full_border(), studies),
+                Ok(map) => {
+                    return self.map.start(map.sampled().with_full_border(), studies);
+                }
                 Err(error) => self.error = Some(error.to_string()),
             }
         }

@@ -46,8 +46,7 @@ impl Range {
 
     /// Accuracy of the points once they are computed, in a sentence; empty before.
     pub(super) fn accuracy_in_words(&self, map: &Map) -> String {
-        let done = self.map.progress().0 - map.solved_in_full();
-        if done < map.cases().len() { String::new() } else { self.accuracy(map) }
+        if map.is_complete() { self.accuracy(map) } else { String::new() }
     }
 
     /// Progress; number and `accuracy` of the plans, which may be empty, if that is given; pocket, points without an answer, pins beyond the chart, in sentences.
@@ -58,13 +57,19 @@ impl Range {
         if self.quantity == Quantity::GreatestStrain && self.practice.is_pending() {
             words.push(tr("Comparing with practice…").to_owned());
         }
-        if done < all {
+        let is_complete = map.is_complete();
+        if !is_complete {
             words.push(tr!("{done} of {all} plans computed.", done, all));
         } else {
-            words.extend(accuracy.map(|_| tr!("{all} plans computed.", all)));
+            words.extend(accuracy.map(|_| match done < all {
+                true => {
+                    tr!("{done} of {all} plans computed. The others are interpolated.", done, all)
+                }
+                false => tr!("{all} plans computed.", all),
+            }));
             words.extend(accuracy.filter(|words| !words.is_empty()).map(str::to_owned));
         }
-        if self.map.is_running() && done == all {
+        if self.map.is_running() && is_complete {
             words.push(tr!("The border of no answer is solved in full: {in_full} plans.", in_full));
         }
         let [not_computed, none] = missing(map);

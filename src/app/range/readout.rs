@@ -1,9 +1,10 @@
 //! The values of a point of the range in words: for the box at the pointer and for screen readers.
 
 use super::axes::Words;
+use super::within_text;
 use crate::app::texts::{fixed, pressure, tr, word_of};
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
-use crate::study::{JudgedMap, Map, Parameter, PointStatus, Quantity};
+use crate::study::{JudgedMap, Map, Parameter, PointStatus, Quantity, Source};
 
 /// The usual quantities, first on offer.
 const USUAL: [Quantity; 8] = [
@@ -76,9 +77,12 @@ pub(super) fn lines(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> 
     let values = std::iter::once(first).chain(others).filter_map(|quantity| {
         let (value, is_solved) = map.displayed(quantity, i, j)?;
         let about = if is_solved { "" } else { tr("about ") };
+        let error = map
+            .interpolated(quantity, i, j)
+            .map_or_else(String::new, |(_, error)| format!(" ± {}", within_text(quantity, error)));
         let word =
             word(map, quantity, value, (i, j)).map_or_else(String::new, |w| format!(", {w}"));
-        Some(format!("{}: {about}{}{word}", tr(quantity.title()), text(quantity, value)))
+        Some(format!("{}: {about}{}{error}{word}", tr(quantity.title()), text(quantity, value)))
     });
     let mut lines: Vec<String> = values.collect();
     let reason = match map.status(i, j) {
@@ -103,6 +107,10 @@ pub(super) fn lines(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> 
         }
     };
     lines.splice(0..0, reason);
+    let is_between = map.source(i, j) == Some(Source::Interpolated) && lines.len() > 1;
+    lines.extend(
+        is_between.then(|| tr("Between computed plans. A click computes this one.").to_owned()),
+    );
     lines
 }
 
@@ -181,11 +189,14 @@ pub(super) fn short(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> 
         size += &format!(", {volume:.0} ml");
     }
     let all = lines(map, i, j, first);
-    let Some(Worst { quantity, words, .. }) =
+    let Some(Worst { quantity, mut words, .. }) =
         worst(map.practice_of_point(i, j), &|quantity| map.displayed(quantity, i, j))
     else {
         return std::iter::once(size).chain(all.into_iter().take(1)).collect();
     };
+    if let Some((_, error)) = map.interpolated(quantity, i, j) {
+        words += &format!(" (± {})", within_text(quantity, error));
+    }
     let mut short = vec![size, words];
     let start = format!("{}: ", tr(first.title()));
     let of_first = all.into_iter().find(|line| line.starts_with(&start));

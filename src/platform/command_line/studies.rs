@@ -32,6 +32,9 @@ pub(super) struct MapArguments {
     /// Nodes per side of the points.
     #[arg(long, value_name = "N", default_value_t = MapSettings::default().nodes_per_side, value_parser = nodes)]
     nodes: usize,
+    /// Solve every point; without --all up to 70, and the others are interpolated.
+    #[arg(long)]
+    all: bool,
     /// Leave out the comparison of 9 points with 129 nodes per side.
     #[arg(long)]
     no_check: bool,
@@ -173,6 +176,9 @@ pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
     let settings = MapSettings { nodes_per_side: arguments.nodes, ..MapSettings::default() };
     let mut map =
         Map::new(&scene, &axes, settings).map_err(|error| InputError(format!("map: {error}")))?;
+    if !arguments.all {
+        map = map.sampled();
+    }
     if arguments.full_border {
         map = map.with_full_border();
     }

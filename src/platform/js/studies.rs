@@ -51,11 +51,11 @@ pub fn workers() -> JsValue {
 }
 
 /// Solves a map in workers: one or two numbers of a scene varied over a grid. Options (JSON text): `scene`, `x`, `y`
-/// (optional), each `{"field", "from", "to", "count"}`, `grid` (optional: `nodes_per_side`, `tolerance`), and `show`
-/// (optional), the quantity of the contour lines.
+/// (optional), each `{"field", "from", "to", "count"}`, `grid` (optional: `nodes_per_side`, `tolerance`), `show`
+/// (optional), the quantity of the contour lines, and `all` (optional): solves every point, else up to 70, and interpolates the others.
 ///
-/// `onPoint(pointJson)` receives each point as it comes, from coarse to fine: `i`, `j` (along x and y, from 0), `at` (the
-/// values of the axes), `status`, `pocket_radius_mm`, `values` by quantity, `error`. Returns `{ cancel(), done }`: the
+/// `onPoint(pointJson)` receives each point as it comes, from coarse to fine, the interpolated ones at the end: `i`, `j` (along x and y, from 0), `at` (the
+/// values of the axes), `status`, `pocket_radius_mm`, `values` by quantity, `source`, `errors` by quantity, `error`. Returns `{ cancel(), done }`: the
 /// promise `done` resolves with the map (JSON text) and rejects after `cancel()` with an `AbortError`.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ pub fn map(
     let report = move |map: &Map| {
         for (k, is_reported) in is_reported.iter_mut().enumerate() {
             let (i, j) = (k % columns, k / columns);
-            if !*is_reported && map.case(i, j).is_some() {
+            if !*is_reported && map.source(i, j).is_some() {
                 *is_reported = true;
                 let point = Point { i, j, point: map.point(i, j) };
                 on_point.call1(&JsValue::NULL, &json(&point))?;

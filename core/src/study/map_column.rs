@@ -1,0 +1,79 @@
+//! The values of one quantity at the solved points of a map, as numbers that a smooth function goes through.
+
+use super::Quantity;
+
+/// Smallest value that errors are relative to \[mean of the quantity\].
+const LEAST: f64 = 0.05;
+/// Room of interpolated values beyond the solved ones \[range of the quantity\].
+const ROOM: f64 = 0.05;
+
+/// Does a quantity change by factors? Then the function is that of its logarithm, where all values are positive.
+fn is_factor(quantity: Quantity) -> bool {
+    use Quantity as Q;
+    matches!(
+        quantity,
+        Q::GreatestStrain
+            | Q::SkinReserveUsed
+            | Q::MeanPressureMmhg
+            | Q::GreatestPressureMmhg
+            | Q::MeanPressureKpa
+            | Q::GreatestPressureKpa
+            | Q::ForceN
+            | Q::SkinStressKpa
+            | Q::AttachmentTractionKpa
+    )
+}
+
+/// The values of a quantity at the solved points.
+pub(super) struct Column {
+    pub(super) quantity: Quantity,
+    own: Vec<f64>,
+    is_log: bool,
+    /// Bounds of interpolated values, and the least number that errors are relative to.
+    bounds: [f64; 2],
+    least_scale: f64,
+}
+
+impl Column {
+    pub(super) fn new(quantity: Quantity, own: Vec<f64>) -> Self {
+        let least = own.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let room = ROOM * (most - least);
+        // What is never negative stays so.
+        let bounds =
+            [if least < 0.0 { least - room } else { (least - room).max(0.0) }, most + room];
+        let mean = own.iter().map(|value| value.abs()).sum::<f64>() / own.len() as f64;
+        let least_scale = (LEAST * mean).max(f64::MIN_POSITIVE);
+        Self { quantity, own, is_log: is_factor(quantity) && least > 0.0, bounds, least_scale }
+    }
+
+    /// The number that the function goes through at a point.
+    pub(super) fn fitted(&self, point: usize) -> f64 {
+        if self.is_log { self.own[point].ln() } else { self.own[point] }
+    }
+
+    /// The value of such a number.
+    pub(super) fn value(&self, fitted: f64) -> f64 {
+        let [least, most] = self.bounds;
+        (if self.is_log { fitted.exp() } else { fitted }).clamp(least, most)
+    }
+
+    /// What an error of a value is relative to.
+    pub(super) fn scale(&self, value: f64) -> f64 {
+        value.abs().max(self.least_scale)
+    }
+
+    /// What the points are missed by where they are left out, relative.
+    pub(super) fn left_out(&self, missed: impl Iterator<Item = f64>) -> Vec<f64> {
+        let relative = |(missed, own): (f64, &f64)| {
+            if self.is_log { missed.abs() } else { missed.abs() / self.scale(*own) }
+        };
+        missed.zip(&self.own).map(relative).collect()
+    }
+}
+
+/// The upper of both middle values; 0 of none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
