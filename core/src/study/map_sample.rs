@@ -5,10 +5,9 @@
 //! are solved too, those farthest from solved ones first, which halves the way between a point with and one without an answer. A round
 //! begins once all points of the one before are solved, so that the points do not depend on the number of threads.
 
-use super::map::{Map, PointStatus};
 use super::map_column::{Column, median};
 use super::surface::{LESS_SMOOTH, SMOOTH, Surface};
-use super::{Case, Quantity};
+use super::{Case, Map, PointStatus, Quantity};
 use schemars::JsonSchema;
 use serde::Serialize;
 
