@@ -37,7 +37,7 @@ fn a_plan_for_each_breast_is_edited_on_its_own_and_comes_back_by_undo() {
     let before = solves(&harness);
     // One plan for both, then one for each.
     press(&mut harness, BOTH);
-    press(&mut harness, BOTH);
+    press(&mut harness, OWN);
     assert_eq!((solves(&harness), volumes(&harness)), (before, [300.0; 2]));
     assert!(is_chosen(&harness, OWN) && is_chosen(&harness, "left"));
     harness.get_by_label("· left");
@@ -85,7 +85,7 @@ fn a_plan_for_each_breast_is_edited_on_its_own_and_comes_back_by_undo() {
     settle(&mut harness);
     assert_eq!(scene(&harness), now);
     // One plan again: that of the chosen side.
-    press(&mut harness, OWN);
+    press(&mut harness, BOTH);
     assert_eq!((scene(&harness).side, scene(&harness).other_side), (Some(Side::Both), None));
     assert!(harness.query_by_label("· left").is_none());
 }
@@ -148,7 +148,7 @@ fn the_switch_moves_nothing() {
             |harness: &Screen, name: &str| harness.get_by_role_and_label(Role::Button, name).rect();
         let before = place(&harness, left);
         press(&mut harness, both);
-        press(&mut harness, both);
+        press(&mut harness, own);
         assert_eq!(place(&harness, left), before);
         assert_eq!(place(&harness, own).center().y, before.center().y);
         harness.state_mut().restore_language(Some("en"));
@@ -159,7 +159,7 @@ fn the_switch_moves_nothing() {
 fn the_switch_has_room_on_a_phone() {
     let mut harness = app(PHONE, |scene| *scene = flat_plan());
     press(&mut harness, BOTH);
-    press(&mut harness, BOTH);
+    press(&mut harness, OWN);
     let chip = harness.get_by_role_and_label(Role::Button, OWN).rect();
     assert!(harness.ctx.content_rect().contains_rect(chip));
     press(&mut harness, "right");

@@ -7,9 +7,8 @@ use crate::app::widgets::theme::SPACE;
 use crate::scene::{Scene, Side};
 use eframe::egui::{RichText, Ui};
 
-/// One plan for both breasts, and one for each: states of one chip.
-const BOTH: (&str, &str) =
-    ("both alike", "One plan for both breasts; pressed again, each breast has a plan of its own");
+/// One plan for both breasts, and one for each, which is offered once both have one.
+const BOTH: (&str, &str) = ("both alike", "One plan for both breasts");
 pub(super) const OWN: (&str, &str) = (
     "each own",
     "A plan for each breast: implant, pocket, pinch and base are those of the chosen side, all else is that of both",
@@ -24,7 +23,7 @@ pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, is_fixed: bool, hand: H
     });
 }
 
-/// The choice of the side whose plan is shown and edited, in a row; both sides have one plan or, after a second press, one each. Returns why they have not.
+/// The choice of the side whose plan is shown and edited, and of one plan for both sides or one each, in a row. Returns why they have not.
 pub(crate) fn sides(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<String> {
     let (now, is_own) = (scene.side, scene.other_side.is_some());
     // Without a plan of its own the other side of a scan has none.
@@ -38,18 +37,19 @@ pub(crate) fn sides(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<String
             scene.set_side(chosen);
             drop_typed_number(ui.ctx());
         }
-        let is_both = is_own || now == Some(Side::Both);
-        let (name, about) = if is_own || is_scanned { OWN } else { BOTH };
-        if !chip_button(ui, hand, is_both, tr(name), tr(about)) {
+        let is_both = now == Some(Side::Both) && !is_own;
+        if !is_scanned && chip(ui, hand, is_both, tr(BOTH.0), tr(BOTH.1)) {
+            (scene.side, scene.other_side) = (Some(Side::Both), None);
+        }
+        if !(is_both || is_own || is_scanned)
+            || !chip_button(ui, hand, is_own, tr(OWN.0), tr(OWN.1))
+        {
             return;
         }
-        if is_own {
-            let one = if is_scanned { now } else { Some(Side::Both) };
-            (scene.side, scene.other_side) = (one, None);
-        } else if is_both || is_scanned {
+        if !is_own {
             refused = scene.add_other_side().err().map(|error| shown(&error.to_string()));
-        } else {
-            scene.side = Some(Side::Both);
+        } else if is_scanned {
+            scene.other_side = None;
         }
     });
     refused
