@@ -32,8 +32,10 @@ enum Value {
 
 use Value::{Number, Shape, Words};
 
+const BREAST: &str = "Breast";
+
 const GIVEN: [Given; 9] = [
-    Given { name: "Breast", unit: "", value: Words(side), is_in_captions: true },
+    Given { name: BREAST, unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
     Given { name: "Skin", unit: "", value: Words(skin), is_in_captions: true },
@@ -122,7 +124,10 @@ fn compared(session: &Session) -> impl Iterator<Item = &Scene> {
 fn differing(session: &Session, device: Device) -> impl Iterator<Item = Given> {
     let differs = move |given: &Given| {
         let own = given.of_scene(session.scene(), device);
-        compared(session).any(|scene| given.of_scene(scene, device) != own)
+        // The columns of both sides have their names.
+        let other = session.scene().other_side.as_deref().filter(|_| given.name != BREAST);
+        let mut others = session.pins().iter().map(Pin::scene).chain(other);
+        others.any(|scene| given.of_scene(scene, device) != own)
     };
     GIVEN.into_iter().chain(Field::PLAIN.map(Given::of)).filter(differs)
 }
