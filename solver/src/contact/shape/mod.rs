@@ -72,7 +72,7 @@ macro_rules! shapes {
 
             pub(super) fn gauge<R: Real>(&self) -> ShapeGauge<R> {
                 match self {
-                    $($(#[$attribute])* Self::$shape(own) => ShapeGauge::$shape(own.gauge()),)+
+                    $($(#[$attribute])* Self::$shape(own) => ShapeGauge::$shape(own.gauge().into()),)+
                 }
             }
         }
@@ -90,7 +90,7 @@ macro_rules! shapes {
 
 /// A half-ball's image that yields.
 pub type SoftHalfBall = Deformed<HalfBall>;
-type SoftHalfBallGauge<R> = DeformedGauge<R, HalfBallGauge<R>>;
+type SoftHalfBallGauge<R> = Box<DeformedGauge<R, HalfBallGauge<R>>>;
 
 shapes! {
     HalfBall with HalfBallGauge;
