@@ -13,10 +13,9 @@ use eframe::egui::{self, RichText, Ui};
 const MAX_VISITS: usize = 30;
 
 /// What the rows are, and what they leave out.
-pub(crate) const NOTE: &str = "Each row is the answer as if the expander were filled to that volume at once. Skin relaxes and grows between the \
-     visits, so pressure falls: after a week to the last column of the whole table (half of the added tension relaxed, 30 % of the stretch grown, both estimates; \
-     in pigs from 30–60 to at most 10 mmHg in three days). That later fills meet more skin the model leaves out. Skin kept: about a third (35 %) of the gained skin, \
-     the part that remained with tissue expanders.";
+pub(crate) const NOTE: &str = "Each row is the answer as if the expander were filled to that volume at once. A week later, in a wide table: half of \
+     the added tension relaxed, 30 % of the stretch grown, both estimates. Later fills meet more skin: the model leaves that out. Skin kept: about a \
+     third (35 %) of the gained skin, the part that remained with tissue expanders.";
 
 /// What a row of a file is.
 pub(crate) const NOTE_OF_ROW: &str = "As if filled to this volume at once: no growth or relaxation of the skin between the visits. \

@@ -301,9 +301,8 @@ impl Viewport {
         self.leave_scan();
         let (_, whole) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let torso = self.torso(options, session.scene());
-        // Lines of the tissue of the patch have no place on a body: its skin is another one.
-        let (envelope, outlines) =
-            if torso.is_some() { (&[][..], &[][..]) } else { (envelope, outlines) };
+        // Lines of pins have no place on a body: its skin is another one.
+        let outlines = if torso.is_some() { &[][..] } else { outlines };
         let way = if torso.is_some() { options.before } else { Before::Off };
         let [before, area] = match way {
             Before::Beside => before::halves(whole),
