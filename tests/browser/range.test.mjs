@@ -58,8 +58,9 @@ describe("the range of implants", { timeout: 20 * harness.PATIENCE }, () => {
     const before = await scene(page);
     assert.equal(before.pocket_radius_mm, 85);
     await filled(page);
-    // And those of the border of no answer, if there is one.
-    assert.ok((await stats(page)).range_all >= 17 * 17);
+    // Some of the points, and those of the border of no answer, if there is one.
+    const { range_all: solved } = await stats(page);
+    assert.ok(solved >= 17 && solved < (17 * 17) / 2, `${solved} points are solved`);
     assert.ok((await harness.colours(page)) > 60, "the chart is blank");
     await harness.screenshot(page, "range");
 
