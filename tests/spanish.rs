@@ -260,6 +260,25 @@ fn the_range_of_implants_is_in_spanish() {
     assert_spanish(&harness);
 }
 
+/// It stands in the row of the sides, in both languages; below it where a small screen has no room.
+#[test]
+fn the_switch_of_both_sides_stands_in_their_row() {
+    let _alone = alone();
+    for (language, [left, both, own]) in
+        [("en", ["left", "both alike", "each own"]), ("es", ["izquierdo", "iguales", "propias"])]
+    {
+        let mut harness = app(language, egui::vec2(1280.0, 800.0), |_| {});
+        let place = |harness: &Harness<'static, App>, name: &str| {
+            harness.get_by_role_and_label(Role::Button, name).rect()
+        };
+        let before = place(&harness, left);
+        press(&mut harness, both);
+        press(&mut harness, own);
+        assert_eq!(place(&harness, left), before);
+        assert_eq!(place(&harness, own).center().y, before.center().y);
+    }
+}
+
 #[test]
 fn nothing_is_cut_on_screens_of_a_desk() {
     let _alone = alone();

@@ -135,26 +135,6 @@ fn on_her_body_the_other_side_gets_its_own_wall_and_both_are_measured() {
     assert_eq!((scene(&harness).side, scene(&harness).other_side), (Some(Side::Right), None));
 }
 
-/// It stands in the row of the sides, in the longer language too; below it where a small screen has no room.
-#[test]
-fn the_switch_stands_in_the_row_of_the_sides() {
-    for (language, left, both, own) in
-        [("en", "left", BOTH, OWN), ("es", "izquierdo", "iguales", "propias")]
-    {
-        let mut harness = app(eframe::egui::vec2(1280.0, 800.0), |scene| *scene = flat_plan());
-        harness.state_mut().restore_language(Some(language));
-        harness.run();
-        let place =
-            |harness: &Screen, name: &str| harness.get_by_role_and_label(Role::Button, name).rect();
-        let before = place(&harness, left);
-        press(&mut harness, both);
-        press(&mut harness, own);
-        assert_eq!(place(&harness, left), before);
-        assert_eq!(place(&harness, own).center().y, before.center().y);
-        harness.state_mut().restore_language(Some("en"));
-    }
-}
-
 #[test]
 fn the_switch_has_room_on_a_phone() {
     let mut harness = app(PHONE, |scene| *scene = flat_plan());
