@@ -11,7 +11,7 @@ use implant_preview::session::{Command, Session};
 use implant_preview::simulate::simulate;
 use implant_preview::study::{Parameter, with_values};
 use implant_preview_lab::axisymmetric;
-use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, RestShape};
+use implant_preview_lab::axisymmetric_layers::{self, Input};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -197,25 +197,10 @@ fn layered_tissue_agrees_with_the_axisymmetric_reference() {
         let mut scene = file(&json!({ "fullness": fullness, "projection_mm": 38 }));
         scene["solver"] = json!({ "nodes_per_side": 129, "cells_through": 4 });
         let scene = Scene::from_json(&scene.to_string()).unwrap();
-        let (problem, body) = (scene.problem().unwrap(), scene.body);
+        let problem = scene.problem().unwrap();
         let on = |cells: [usize; 2]| {
-            let reference = axisymmetric_layers::solve(&Input {
-                base_radius_mm: scene.implant.base_radius_mm,
-                projection_mm: scene.implant.projection_mm,
-                fullness,
-                insertion: 1.0,
-                pocket_radius_mm: scene.pocket_radius_mm,
-                patch_radius_mm: body.patch_radius_mm,
-                attachment: Attachment {
-                    stiffness_kpa_per_mm: body.attachment.stiffness_kpa_per_mm,
-                    ramp_mm: body.attachment.ramp_mm,
-                },
-                layers: problem.materials.clone(),
-                skin_wrinkles: true,
-                rest: RestShape::default(),
-                cells,
-            });
-            reference.unwrap()
+            let input = Input { fullness, ..Input::of(&scene, &problem, cells).unwrap() };
+            axisymmetric_layers::solve(&input).unwrap()
         };
         let [coarse, fine] = [on([72, 4]), on([144, 8])];
         let limit = |coarse: f64, fine: f64| fine + (fine - coarse) / 3.0;

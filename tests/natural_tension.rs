@@ -9,7 +9,7 @@ use implant_preview::scene::{CheckedScene, ChestShape, Scene};
 use implant_preview::simulate::{self, simulate};
 use implant_preview::solve::{Method, Options, Solver};
 use implant_preview::springs::coupled::biot_stress;
-use implant_preview_lab::axisymmetric_layers::{self, Attachment, Input, RestShape, Wall};
+use implant_preview_lab::axisymmetric_layers::{self, Input};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -176,28 +176,9 @@ fn an_even_prestretch_agrees_with_the_axisymmetric_elements() {
             scene.body.skin_state.natural_tension_n_per_m = tension_at(&scene, natural_strain);
             let problem = scene.problem().unwrap();
             let on = |cells: [usize; 2]| {
-                let found = axisymmetric_layers::solve(&Input {
-                    base_radius_mm: scene.implant.base_radius_mm,
-                    projection_mm: scene.implant.projection_mm,
-                    fullness: 2.0 / 3.0,
-                    insertion: 1.0,
-                    pocket_radius_mm: scene.pocket_radius_mm,
-                    patch_radius_mm: scene.body.patch_radius_mm,
-                    attachment: Attachment {
-                        stiffness_kpa_per_mm: scene.body.attachment.stiffness_kpa_per_mm,
-                        ramp_mm: scene.body.attachment.ramp_mm,
-                    },
-                    layers: problem.materials.clone(),
-                    skin_wrinkles: true,
-                    rest: RestShape {
-                        wall: Wall { radius_mm: chest_mm },
-                        mound: None,
-                        natural_strain,
-                        growth: 0.0,
-                    },
-                    cells,
-                });
-                found.unwrap()
+                let mut input = Input::of(&scene, &problem, cells).unwrap();
+                input.rest.natural_strain = natural_strain;
+                axisymmetric_layers::solve(&input).unwrap()
             };
             let [coarse, fine] = [on([72, 4]), on([144, 8])];
             let limit = |coarse: f64, fine: f64| fine + (fine - coarse) / 3.0;

@@ -34,6 +34,8 @@ pub use wall::{Mound, RestShape, Wall};
 
 use assembly::Tissue;
 use contact::Section;
+use implant_preview_core::scene::Scene;
+use implant_preview_core::solve::Problem;
 use implant_preview_core::springs::Material;
 use newton::Equilibrium;
 use std::f64::consts::PI;
@@ -79,6 +81,36 @@ pub struct Input {
     /// Cells along the radius, nr, and through the solids, nz. Of nr, 1.2 times the fraction a/b (pocket's radius / patch
     /// radius) are in the pocket, a node at its edge. The solids share nz by thickness, rounded, at least one each.
     pub cells: [usize; 2],
+}
+
+impl Input {
+    /// The problem of a scene on a mesh: a centred round implant over a plane or a sphere, without a mound; `None` for a sheet.
+    #[must_use]
+    pub fn of(scene: &Scene, problem: &Problem, cells: [usize; 2]) -> Option<Self> {
+        let Problem { patch, obstacle, materials, rest, .. } = problem;
+        let attachment = patch.attachment()?;
+        Some(Self {
+            base_radius_mm: obstacle.dome.reference_length(),
+            projection_mm: obstacle.dome.projection(),
+            fullness: scene.implant.fullness(),
+            insertion: scene.insertion,
+            pocket_radius_mm: patch.pocket_radius_mm,
+            patch_radius_mm: patch.radius_mm,
+            attachment: Attachment {
+                stiffness_kpa_per_mm: attachment.stiffness_kpa_per_mm,
+                ramp_mm: attachment.ramp_mm,
+            },
+            layers: materials.clone(),
+            skin_wrinkles: true,
+            rest: RestShape {
+                wall: Wall { radius_mm: scene.chest.map(|chest| chest.radius_across_mm) },
+                mound: None,
+                natural_strain: rest.natural().map_or(0.0, |natural| natural.stretches()[0] - 1.0),
+                growth: rest.growth(),
+            },
+            cells,
+        })
+    }
 }
 
 /// Reason for the absence of a solution.

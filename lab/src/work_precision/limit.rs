@@ -1,6 +1,6 @@
 //! The limit of all grids: axisymmetric references.
 
-use crate::axisymmetric_layers::{Attachment, Input, Mound, RestShape, Wall};
+use crate::axisymmetric_layers::{Input, Mound};
 use crate::{axisymmetric as sheet, axisymmetric_layers as layers};
 use implant_preview_core::scene::Scene;
 use implant_preview_core::solve::{Problem, Tissue};
@@ -54,10 +54,6 @@ fn of_sheet(Problem { patch, obstacle, materials, .. }: &Problem) -> Option<Prof
 }
 
 fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<Profile> {
-    let Problem { patch, obstacle, materials, .. } = problem;
-    let attachment = patch.attachment()?;
-    let radius_mm = scene.chest.map(|chest| chest.radius_across_mm);
-    let natural_strain = problem.rest.natural().map_or(0.0, |natural| natural.stretches()[0] - 1.0);
     // The reference has the curve's law.
     if problem.solids().iter().any(|solid| solid.solid != SolidKind::Curve) {
         return None;
@@ -65,29 +61,11 @@ fn of_layers(scene: &Scene, mound: Option<Mound>, problem: &Problem) -> Option<P
     let stiffens = problem.solids().iter().all(|solid| solid.curve.stiffens());
     let weight = EXTRAPOLATION[usize::from(!stiffens)];
     let on = |cells: [usize; 2]| {
-        layers::solve(&Input {
-            base_radius_mm: obstacle.dome.reference_length(),
-            projection_mm: obstacle.dome.projection(),
-            fullness: scene.implant.fullness(),
-            insertion: scene.insertion,
-            pocket_radius_mm: patch.pocket_radius_mm,
-            patch_radius_mm: patch.radius_mm,
-            attachment: Attachment {
-                stiffness_kpa_per_mm: attachment.stiffness_kpa_per_mm,
-                ramp_mm: attachment.ramp_mm,
-            },
-            layers: materials.clone(),
-            skin_wrinkles: true,
-            rest: RestShape {
-                wall: Wall { radius_mm },
-                mound,
-                natural_strain,
-                growth: problem.rest.growth(),
-            },
-            cells,
-        })
+        let mut input = Input::of(scene, problem, cells)?;
+        input.rest.mound = mound;
+        layers::solve(&input).ok()
     };
-    let [fine, finest] = [on(MESHES[0]).ok()?, on(MESHES[1]).ok()?];
+    let [fine, finest] = [on(MESHES[0])?, on(MESHES[1])?];
     Some(Box::new(move |face, s_mm| {
         let [a, b] = [&fine, &finest].map(|solution| {
             let (inner, skin) = solution.point(s_mm);
