@@ -5,7 +5,7 @@ import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { compile } from "json-schema-to-typescript";
 
-const FORMATS = ["scene", "result", "map", "map-options", "bands", "bands-options"];
+const FORMATS = ["scene", "result", "map", "map-options", "bands", "bands-options", "times"];
 
 const [folder, program] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });

@@ -1064,8 +1064,9 @@ fn the_schema_of_a_result_has_the_fields_of_results() {
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    let titles = ["Scene", "Outcome", "MapFile", "MapOptions", "BandsReport", "BandsSettings"];
-    let formats = ["scene", "result", "map", "map-options", "bands", "bands-options"];
+    let titles =
+        ["Scene", "Outcome", "MapFile", "MapOptions", "BandsReport", "BandsSettings", "TimesFile"];
+    let formats = ["scene", "result", "map", "map-options", "bands", "bands-options", "times"];
     for (format, title) in formats.into_iter().zip(titles) {
         assert_eq!(schema(format)["title"], title);
     }

@@ -7,7 +7,10 @@ use implant_preview::scene::{CheckedScene, Scene};
 use implant_preview::simulate::{self, simulate};
 use implant_preview::solve::{Options, Verdict};
 use implant_preview_lab::axisymmetric_layers::{self, Input, Mound, RestShape, Solution, Wall};
-use implant_preview_lab::measurements::{Comparison, Row, expander, fat, skin_pull, treloar};
+use implant_preview_lab::measurements::{
+    Comparison, Row, augmentation, expander, fat, hole, plates, pressure_later, skin_pull, treloar,
+};
+use implant_preview_lab::opening_plan;
 use implant_preview_lab::verification;
 use serde_json::{Value, json};
 
@@ -316,7 +319,11 @@ fn skin_pulled_in_vivo_is_compared_at_every_point() {
 fn the_area_stretch_over_the_pigs_expander_is_compared_for_every_tissue() {
     let comparison = expander::pig(33).unwrap();
     println!("{}", comparison.markdown());
-    assert_eq!(comparison.rows.len(), 3 * (5 + 2 + 2 + 2));
+    assert_eq!(comparison.rows.len(), 3 * (5 + 2 + 2 + 2 + 4));
+    let tense = comparison.rows.iter().filter(|row| row.model.contains(expander::UNDER_TENSION));
+    // No equilibrium is found under the greatest tensions.
+    let found = tense.clone().filter(|row| row.predicted.is_some());
+    assert_eq!((tense.count(), found.count()), (12, 6));
     // The skin over the expander is stretched less where it draws on the skin around the pocket.
     let greatest = |model: &str| {
         let mut row = rows(&comparison, model).filter(|row| row.quantity.starts_with("greatest"));
@@ -339,6 +346,88 @@ fn the_pressure_of_a_filled_expander_rises_with_fill_and_with_the_stiffness_of_f
         assert!(pressures.len() == 4 && pressures.windows(2).all(|pair| pair[0] < pair[1]));
     }
     assert!(low.iter().zip(&mid).chain(mid.iter().zip(&high)).all(|(a, b)| a < b));
+}
+
+/// A softer implant projects less under every breast, and a breast over it takes up more of its projection.
+#[test]
+fn the_gain_of_projection_falls_with_the_fill_and_with_a_breast_over_the_implant() {
+    let [projection, in_body] = augmentation::comparisons(33).unwrap();
+    println!("{}{}", projection.markdown(), in_body.markdown());
+    assert_eq!((projection.rows.len(), in_body.rows.len()), (2 * 4 * 2 * 5, 4 * 2));
+    let gains: Vec<f64> = projection.rows[..40].iter().map(|row| row.predicted.unwrap()).collect();
+    for of_fills in gains.chunks(5) {
+        assert!(of_fills.windows(2).all(|pair| pair[1] < pair[0]), "{of_fills:?}");
+        assert!(of_fills.iter().all(|gain| (0.3..1.0).contains(gain)));
+    }
+    let under = [0, 2, 3].map(|breast: usize| &gains[10 * breast..10 * breast + 10]);
+    assert!((0..10).all(|k| under.is_sorted_by(|thin, thick| thick[k] < thin[k])));
+    assert!(in_body.rows.iter().all(|row| row.predicted.unwrap() < 0.0));
+}
+
+#[test]
+fn the_pressure_of_an_expander_falls_with_relaxation_and_growth() {
+    let comparison = pressure_later::comparison(33).unwrap();
+    println!("{}", comparison.markdown());
+    assert_eq!(comparison.rows.len(), 3 * 3 * 4);
+    let [week, more, months, full] = pressure_later::STATES;
+    let ratio = |state: &str| {
+        let of_state = comparison.rows.iter().filter(move |row| row.model.ends_with(state));
+        of_state.map(|row| row.predicted).collect::<Vec<_>>()
+    };
+    for [greater, less] in [[week, more], [week, months], [months, full]] {
+        for (greater, less) in ratio(greater).into_iter().zip(ratio(less)) {
+            let (greater, less) = (greater.unwrap(), less.unwrap());
+            assert!(0.0 < less && less < greater && greater < 1.0, "{less} {greater}");
+        }
+    }
+}
+
+#[test]
+fn implants_between_plates_and_holes_in_skin_are_compared() {
+    let (pressed, hole) = (plates::comparison(), hole::comparison());
+    println!("{}{}", pressed.markdown(), hole.markdown());
+    let of = |quantity: &str| {
+        let of = pressed.rows.iter().filter(move |row| row.quantity == quantity);
+        of.map(|row| row.predicted.unwrap()).collect::<Vec<_>>()
+    };
+    // From the stiffest fill.
+    for quantity in [plates::HEIGHT, plates::DIAMETER] {
+        assert!(of(quantity).windows(2).all(|pair| pair[0] < pair[1]), "{quantity}");
+    }
+    assert!(of(plates::LOAD).windows(2).all(|pair| pair[0] > pair[1]));
+    let opening = hole.rows.iter().filter(|row| row.quantity == hole::HOLE);
+    let opening: Vec<Option<f64>> = opening.map(|row| row.predicted).collect();
+    assert!(opening.len() == 6 && opening[2].is_none());
+    assert!(opening[..2].is_sorted() && opening[3..].is_sorted() && opening[3].is_some());
+}
+
+/// Numbers of a cell, with one in its last decimal.
+fn number_of_cell(cell: &str) -> Option<(f64, f64)> {
+    let decimals = cell.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    Some((cell.parse().ok()?, 0.1_f64.powi(i32::try_from(decimals).unwrap())))
+}
+
+#[test]
+fn the_documents_table_of_the_opening_plan_is_that_of_the_program() {
+    let document = include_str!("../docs/validation.md");
+    let section = document.split("## The opening plan, part by part").nth(1).unwrap();
+    let written: Vec<&str> = section.lines().filter(|line| line.starts_with('|')).collect();
+    let computed = opening_plan::markdown(&opening_plan::parts().unwrap());
+    println!("{computed}");
+    let computed: Vec<&str> = computed.lines().collect();
+    assert_eq!(written[..2], computed[..2]);
+    for (k, line) in computed.iter().enumerate().skip(2) {
+        let [written, computed] =
+            [written[k], line].map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
+        assert_eq!(written.len(), computed.len(), "{written:?}");
+        for (written, computed) in written.into_iter().zip(computed) {
+            let is_close = match (number_of_cell(written), number_of_cell(computed)) {
+                (Some((a, last)), Some((b, _))) => (a - b).abs() < 1.01 * last,
+                _ => written == computed,
+            };
+            assert!(is_close, "{line}: {written}");
+        }
+    }
 }
 
 #[test]

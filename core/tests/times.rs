@@ -52,7 +52,7 @@ fn a_plan_that_is_at_a_time_has_the_same_times() {
     assert_eq!(file["times"][2]["fold_drop_mm"], json!({ "value": 14.0, "deviation": null }));
     assert_eq!(file["times"][1]["grown"], json!({ "value": 0.3, "deviation": 0.2 }));
     assert!(file["times"][0]["values"]["force_n"]["value"].as_f64().unwrap() > 5.0);
-    assert!(Times::new(&Scene::sheet()).is_none());
+    assert!(Times::new(&Scene::sheet()).is_err());
 }
 
 #[test]

@@ -14,6 +14,7 @@ import type { MapFile, PointFile } from "./types/map.js";
 import type { MapOptions as MapChoices } from "./types/map-options.js";
 import type { Outcome } from "./types/result.js";
 import type { Scene } from "./types/scene.js";
+import type { TimesFile } from "./types/times.js";
 import load, * as program from "./wasm/implant_preview.js";
 import type { InitInput } from "./wasm/implant_preview.js";
 import type { Format } from "./types/schemas.js";
@@ -24,6 +25,7 @@ export type * from "./types/scene.js";
 export type { Outcome as Result, LayerOutcome, ProfilePoint } from "./types/result.js";
 export type { MapFile, PointFile } from "./types/map.js";
 export type { BandsReport, Band } from "./types/bands.js";
+export type { TimesFile, AtTime } from "./types/times.js";
 export type { Format } from "./types/schemas.js";
 
 /** How a solve ended. */
@@ -203,6 +205,17 @@ export function bands(
   { onProgress = () => {}, signal }: { onProgress?: (done: number, all: number) => void; signal?: AbortSignal } = {},
 ): Promise<BandsReport> {
   return study(signal, () => loaded().bands(JSON.stringify(options), onProgress));
+}
+
+/**
+ * Solves a scene of layered tissue in workers, on the table, a week and six months after its operation. `onProgress` receives numbers of
+ * scenes.
+ */
+export function times(
+  scene: Scene | string,
+  { onProgress = () => {}, signal }: { onProgress?: (done: number, all: number) => void; signal?: AbortSignal } = {},
+): Promise<TimesFile> {
+  return study(signal, () => loaded().times(textOf(scene), onProgress));
 }
 
 /** The plan that the app opens with: an implant of 12 cm and 225 ml, pinch 2 cm, normal skin, the usual chest. */

@@ -45,6 +45,7 @@ __all__ = [
     "solve",
     "solve_many",
     "solve_matrix",
+    "times",
 ]
 
 __version__: str = _native.version()
@@ -306,6 +307,17 @@ def bands(scene: Scene, *, threads: int | None = None, **choices: Any) -> dict[s
     """
     report = _object(_native.bands(_text(scene), _text(choices), _threads(threads)))
     return report | {"profile": _columns(report["profile"])}
+
+
+def times(scene: Scene, *, threads: int | None = None) -> dict[str, Any]:
+    """A scene of layered tissue on the table, a week and six months after its operation.
+
+    Returns the file of the command ``times`` (docs/formats.md, ``times/1``): ``times``, a list of three, each with ``when``, ``relaxed``,
+    ``grown`` and ``fold_drop_mm``, and in ``values`` by the names of :func:`quantities` the ``value`` and its ``range``.
+
+    Raises :class:`SceneError` with one line for a sheet and for a scene out of its limits.
+    """
+    return _object(_native.times(_text(scene), _threads(threads)))
 
 
 def curve(

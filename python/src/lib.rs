@@ -84,7 +84,7 @@ mod _native {
     #[pymodule_export]
     use super::shape::shape;
     #[pymodule_export]
-    use super::studies::{bands, map, matrix};
+    use super::studies::{bands, map, matrix, times};
     use super::{PyResult, Python, Scene, interrupt, json, refused, scene, selection};
     use super::{simulated, stoppable};
     use implant_preview_core::study::Quantity;

@@ -1,4 +1,4 @@
-//! Matrices of numbers, maps and bands.
+//! Matrices of numbers, maps, bands and times.
 
 use super::interrupt::{self, Stop};
 use super::pool::threads;
@@ -7,7 +7,7 @@ use implant_preview_core::scene::{Scene, read};
 use implant_preview_core::study::many::{Many, ManySettings};
 use implant_preview_core::study::{
     Bands, BandsSettings, Cases, Evaluator, Job, JobThreads, MapOptions, Quantity, Study, Template,
-    run,
+    Times, run,
 };
 use implant_preview_core::table::Decimals;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -60,6 +60,14 @@ pub(crate) fn bands(
     let mut bands = Bands::new(&scene, settings).map_err(refused)?;
     finish(py, &mut bands, threads)?;
     Ok(json(&bands.report()))
+}
+
+#[pyfunction]
+pub(crate) fn times(py: Python<'_>, scene: &str, threads: Option<usize>) -> PyResult<String> {
+    let scene = Scene::from_json(scene).map_err(refused)?;
+    let mut times = Times::new(&scene).map_err(refused)?;
+    finish(py, &mut times, threads)?;
+    Ok(json(&times.file()))
 }
 
 /// The quantities of the scenes in which parameters have the values of the rows, NaN where a scene has no answer.

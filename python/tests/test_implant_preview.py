@@ -132,6 +132,19 @@ def test_a_map_and_bands_have_arrays():
         ip.map(layered(), x=x | {"field": "colour"})
 
 
+def test_pressure_falls_with_the_time_after_the_operation():
+    scene = ip.opening_scene() | {"solver": {"nodes_per_side": 33, "tolerance": 1e-3}}
+    found = ip.times(scene)
+    assert found["schema"] == "implant-preview/times/1"
+    assert [time["when"] for time in found["times"]] == ["on_the_table", "week", "six_months"]
+    pressures = [time["values"]["mean_pressure_mmhg"] for time in found["times"]]
+    assert pressures[0]["value"] == pytest.approx(ip.solve(scene)["contact_pressure_mmhg"]["mean"], rel=1e-6)
+    assert np.all(np.diff([pressure["value"] for pressure in pressures]) < 0)
+    assert all(least <= pressure["value"] <= most for pressure in pressures for least, most in [pressure["range"]])
+    with pytest.raises(ip.SceneError, match="times: a sheet; allowed: layered tissue"):
+        ip.times({"tissue_model": "sheet", "implant": {"base_radius_mm": 50}})
+
+
 def test_a_shape_is_that_of_the_result():
     shape = ip.shape(layered())
     faces, vertices, axes = shape.points.shape

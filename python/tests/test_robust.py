@@ -156,6 +156,7 @@ def test_a_number_of_threads_below_one_is_one_line(threads):
         lambda: ip.solve_matrix(sheet(), ["insertion"], [[1.0]], outputs=["force_n"], threads=threads),
         lambda: ip.map(sheet(), **grid, threads=threads),
         lambda: ip.bands(sheet(), samples=16, threads=threads),
+        lambda: ip.times(sheet(), threads=threads),
     ]:
         with pytest.raises(ValueError, match=f"threads is {threads}; allowed: 1 to 1024"):
             call()
@@ -183,6 +184,7 @@ calls = {
     "matrix": lambda: ip.solve_matrix(big, ["volume_ml"], [[240]], outputs=["greatest_strain"]),
     "many": lambda: list(ip.solve_many([big])),
     "bands": lambda: ip.bands(big, samples=16, importance_rows=0, grid={"nodes_per_side": 513, "tolerance": 1e-7}),
+    "times": lambda: ip.times(big),
     "map": lambda: ip.map(big, x={"field": "insertion", "from": 0.9, "to": 1, "count": 2}, grid={"nodes_per_side": 513, "tolerance": 1e-7}),
 }
 sent = []
@@ -208,7 +210,7 @@ os._exit(0)
 """
 
 
-@pytest.mark.parametrize("call", ["shape", "solve", "matrix", "many", "bands", "map"])
+@pytest.mark.parametrize("call", ["shape", "solve", "matrix", "many", "bands", "map", "times"])
 def test_an_interrupt_ends_a_long_call_soon(call):
     run = subprocess.run([sys.executable, "-c", INTERRUPT, call, "0.7"], capture_output=True, text=True, timeout=60)
     first, second = run.stdout.splitlines()

@@ -1,7 +1,7 @@
 // Type-checked against the installed package (tsc --strict), and run in the browser as JavaScript: uses each function.
 
 import * as ip from "implant-preview";
-import type { BandsReport, Body, DeformedBody, FittedBody, Line, MapFile, MapPoint, Marks, Result, Scene } from "implant-preview";
+import type { BandsReport, Body, DeformedBody, FittedBody, Line, MapFile, MapPoint, Marks, Result, Scene, TimesFile } from "implant-preview";
 
 export async function useAll() {
   await ip.init();
@@ -26,12 +26,14 @@ export async function useAll() {
     },
     { onProgress: (done, all) => progress.push([done, all]) },
   );
+  const times: TimesFile = await ip.times(scene, { onProgress: (done, all) => progress.push([done, all]) });
+  const later: number | undefined = times.times[2].values.force_n?.value;
   const lines: Line[] = [];
   for await (const line of ip.simulateMany([scene, JSON.stringify({ ...scene, insertion: 7 })], { workers: 1 })) {
     lines.push(line);
   }
   const forces = lines.map((line) => (line.error === undefined ? line.contact_force_n : line.error));
-  return { opening, result, force, fromText, map, points, bands, progress, forces, schema: await ip.schema(), version: ip.version() };
+  return { opening, result, force, fromText, map, points, bands, progress, times, later, forces, schema: await ip.schema(), version: ip.version() };
 }
 
 /** Reads a body, fits its left side, solves the scene on it and at rest. */
@@ -101,6 +103,8 @@ export async function refused() {
   await ip.map({ scene, x: { field: "insertion", count: 3 } });
   // @ts-expect-error an unknown quantity
   await ip.map({ scene, x: { field: "insertion", from: 0, to: 1, count: 3 }, show: "colour" });
+  // @ts-expect-error an unknown field of times
+  (await ip.times(scene)).times[0].force_n;
   // @ts-expect-error an unknown distribution
   await ip.bands({ scene, unknowns: { projection: { normal: { mean: 0 } } } });
   for await (const line of ip.simulateMany([scene])) {

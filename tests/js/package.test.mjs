@@ -183,13 +183,17 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     assert.deepEqual(comparable(found.fromText), comparable(found.result));
     assert.equal(found.points.length, 3);
     assert.equal(found.map.points.length, 3);
-    assert.deepEqual(found.progress.at(-1), [found.bands.scenes_planned, found.bands.scenes_planned]);
+    assert.ok(found.progress.some(([done, all]) => done === found.bands.scenes_planned && all === done));
+    assert.deepEqual(found.progress.at(-1), [7, 7]);
+    assert.deepEqual(found.times.times.map(({ when }) => when), ["on_the_table", "week", "six_months"]);
+    assert.ok(found.later > 0 && found.later < found.times.times[0].values.force_n.value);
     assert.equal(found.forces[0], found.force);
     assert.match(found.forces[1], /^insertion is 7; allowed: /);
     assertFits("scene", found.opening);
     assertFits("result", found.result);
     assertFits("map", found.map);
     assertFits("bands", found.bands);
+    assertFits("times", found.times);
     assert.deepEqual(found.schema, JSON.parse(native(["schema"])));
     await finish();
   });
@@ -246,6 +250,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     native(["map", "-", "--x=insertion=0.5:1:3", "--y=projection_mm=30:40:3", "--nodes=17", `--out-dir=${folder}`], scene);
     assertFits("map", JSON.parse(readFileSync(join(folder, "map.json"), "utf8")));
     assertFits("bands", JSON.parse(native(["bands", "-", "--samples=16", "--importance=16", "--nodes=17"], scene)));
+    assertFits("times", JSON.parse(native(["times", "-"], scene)));
     const choices = { samples: 16, grid, unknowns: { projection: null, pocket_radius: { normal: { mean: 0, sd: 1 } } } };
     assertFits("bands-options", choices);
     assertFits("map-options", { x: { field: "insertion", from: 0, to: 1, count: 2 } });
@@ -432,7 +437,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
   test("a call before init, and invalid input, throw one line", async () => {
     const { page, finish } = await open();
     const found = await page.evaluate(async () => {
-      const { init, simulate, map, bands, openingScene } = await import("implant-preview");
+      const { init, simulate, map, bands, times, openingScene } = await import("implant-preview");
       const line = async (run) => {
         try {
           return JSON.stringify(await run());
@@ -453,6 +458,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
         await line(() => bands({ scene, samples: 3 })),
         await line(() => map({ scene, x, all: true }, { signal: stop })),
         await line(() => bands({ scene }, { signal: AbortSignal.abort() })),
+        await line(() => times({ ...scene, tissue_model: "sheet", chest: undefined })),
       ];
     });
     assert.equal(found[0], "Error: the program is not loaded; allowed: calls after `await init()`");
@@ -462,6 +468,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
     assert.match(found[4], /^Error: samples is 3; allowed: /);
     assert.match(found[5], /^TimeoutError: /);
     assert.match(found[6], /^AbortError: /);
+    assert.equal(found[7], "Error: times: a sheet; allowed: layered tissue");
     for (const line of found) assert.ok(!line.includes("\n"), line);
     await finish();
   });

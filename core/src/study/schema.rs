@@ -5,6 +5,7 @@ use super::bands::BandsSettings;
 use super::bands_report::BandsReport;
 use super::map_file::MapFile;
 use super::quantity::short;
+use super::times::TimesFile;
 use crate::measure::Outcome;
 use crate::scene;
 use schemars::JsonSchema;
@@ -25,17 +26,20 @@ pub enum SchemaOf {
     Bands,
     /// The choices of bands besides their scene.
     BandsOptions,
+    /// A plan at its times.
+    Times,
 }
 
 impl SchemaOf {
     /// All formats with their names.
-    pub const ALL: [(&'static str, Self); 6] = [
+    pub const ALL: [(&'static str, Self); 7] = [
         ("scene", Self::Scene),
         ("result", Self::Result),
         ("map", Self::Map),
         ("map-options", Self::MapOptions),
         ("bands", Self::Bands),
         ("bands-options", Self::BandsOptions),
+        ("times", Self::Times),
     ];
 
     /// The format of a name.
@@ -63,6 +67,7 @@ impl SchemaOf {
             Self::MapOptions => json::<MapOptions>(input),
             Self::Bands => json::<BandsReport>(output),
             Self::BandsOptions => json::<BandsSettings>(input),
+            Self::Times => json::<TimesFile>(output),
         }
     }
 }
@@ -83,7 +88,7 @@ mod tests {
             assert_eq!(SchemaOf::of_name(name), Ok(format));
         }
         let error = SchemaOf::of_name(&"x".repeat(1000)).unwrap_err();
-        assert!(error.len() < 200 && error.ends_with("bands, bands-options"), "{error}");
+        assert!(error.len() < 200 && error.ends_with("bands-options, times"), "{error}");
     }
 
     #[test]

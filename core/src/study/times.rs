@@ -35,11 +35,13 @@ pub struct AtTime {
 }
 
 impl Times {
-    /// The times of a plan of layered tissue; `None` of a sheet. What the plan itself has relaxed and grown does not count.
-    #[must_use]
-    pub fn new(plan: &Scene) -> Option<Self> {
+    /// The times of a plan of layered tissue. What the plan itself has relaxed and grown does not count.
+    ///
+    /// # Errors
+    /// One line for a sheet.
+    pub fn new(plan: &Scene) -> Result<Self, &'static str> {
         if !plan.is_layered() {
-            return None;
+            return Err("times: a sheet; allowed: layered tissue");
         }
         let state = |when: When, state: usize| {
             let mut scene = plan.at(when);
@@ -61,7 +63,7 @@ impl Times {
         let all = When::ALL.into_iter().flat_map(|when| states(when).map(move |k| (when, k)));
         let scenes: Vec<_> = all.map(|(when, k)| state(when, k)).collect();
         let cases = vec![None; scenes.len()];
-        Some(Self { scenes, cases, asked: 0, jobs: OneByOne::new() })
+        Ok(Self { scenes, cases, asked: 0, jobs: OneByOne::new() })
     }
 
     /// A quantity at a time; `None` before the end of its scenes, and if one has no answer.
@@ -141,5 +143,6 @@ struct TimeFile {
     /// Where these three are from.
     source: &'static str,
     /// The quantities of `map`, by their names; without an answer none.
+    #[schemars(with = "BTreeMap<Quantity, AtTime>")]
     values: BTreeMap<&'static str, AtTime>,
 }

@@ -11,10 +11,12 @@ use implant_preview_core::measure::Outcome;
 use implant_preview_core::measure::bands::FILLING_PRESSURE_MMHG;
 use implant_preview_core::mesh::NodeKind;
 use implant_preview_core::scene::{
-    Body, ChestShape, Implant, Layer, Scene, SceneError, TissueModel,
+    Body, CheckedScene, ChestShape, Implant, Layer, Scene, SceneError, TissueModel,
 };
 use implant_preview_core::simulate::Simulator;
 use implant_preview_core::solve::{Solution, Tissue};
+use implant_preview_core::springs::Material;
+use implant_preview_core::springs::tension_field::stress;
 
 /// Tolerance of the solutions \[base radius\].
 const TOLERANCE: f64 = 1e-3;
@@ -36,6 +38,11 @@ const PIG_MEASURED: [(&str, f64); 3] =
     [("mean area stretch", 0.99), ("90th percentile", 1.15), ("greatest area stretch", 1.50)];
 /// Difference that the shape of the expander alone may cause \[-\].
 const PIG_SHAPE: f64 = 0.15;
+
+/// Area of pig skin on the animal by its area without stress \[-\]: 1.23 ± 0.16, and 1/0.83² of excised skin.
+const PIG_NATURAL_AREAS: [f64; 4] = [1.23, 1.07, 1.39, 1.45];
+/// What the name of a model under a natural tension has before the area.
+pub const UNDER_TENSION: &str = "under skin of a natural area stretch of";
 
 /// Names of the tissue models in the rows.
 pub const SHEET: &str = "sheet";
@@ -99,6 +106,13 @@ fn pig_scene(model: TissueModel, pocket_mm: f64, fat: Option<Layer>, nodes: usiz
     scene
 }
 
+/// The natural tension that stretches the skin of a scene to an area by its area without stress \[N/m\].
+fn tension_of_area(scene: &Scene, area: f64) -> Result<f64, SceneError> {
+    let checked = CheckedScene::new(scene.clone())?;
+    let Material { curve, poisson_ratio, thickness_mm, .. } = &checked.materials()[0];
+    Ok(thickness_mm * stress(curve, *poisson_ratio, [area.sqrt() - 1.0; 2])[0])
+}
+
 /// Area stretch of pig skin over an expander of 60 ml.
 ///
 /// # Errors
@@ -120,10 +134,20 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
         let name = format!("{LAYERED_MID} of {thickness_mm} mm");
         scenes.push((name, layered, PIG_POCKETS_MM[0], Some(fat)));
     }
+    let mut scenes: Vec<_> = scenes
+        .into_iter()
+        .map(|(name, model, pocket, fat)| (name, pig_scene(model, pocket, fat, nodes_per_side)))
+        .collect();
+    for area in PIG_NATURAL_AREAS {
+        let fat = Layer { thickness_mm: PIG_FAT_MM, ..Layer::adipose() };
+        let mut scene = pig_scene(layered, PIG_POCKETS_MM[0], Some(fat), nodes_per_side);
+        scene.body.skin_state.natural_tension_n_per_m = tension_of_area(&scene, area)?;
+        scenes.push((format!("{LAYERED_MID} {UNDER_TENSION} {area}"), scene));
+    }
     let mut simulator = Simulator::default();
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
-    for (name, model, pocket, fat) in scenes {
-        let scene = pig_scene(model, pocket, fat, nodes_per_side);
+    for (name, scene) in scenes {
+        let pocket = scene.pocket_radius_mm;
         let found = solved(&mut simulator, scene)?;
         let statistics = found.map(|found| square_statistics(&found.solution));
         let model = format!("{name} pocket {pocket} mm");
@@ -137,7 +161,9 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
                 predicted: statistics.map(|all| all[k]),
             });
         }
-        let is_drawn = is_middle(pocket) && !name.ends_with(" mm");
+        let is_drawn = is_middle(pocket)
+            && !name.ends_with(" mm")
+            && (!name.contains(UNDER_TENSION) || name.ends_with(&PIG_NATURAL_AREAS[0].to_string()));
         if let Some(all) = statistics.filter(|_| is_drawn) {
             let points = (1_u8..).map(f64::from).zip(all).collect();
             lines.push(Series { label: name, mark: Mark::Line, points });
@@ -177,6 +203,10 @@ pub fn pig(nodes_per_side: usize) -> Result<Comparison, SceneError> {
              half-ellipsoid of its volume here, which alone may change a value by 0.15."
                 .to_owned(),
             "In the sheet skin beyond the pocket does not move: its area stretch is 1.".to_owned(),
+            "Pig skin on the animal has 1.45 times the area that it has once excised (0.83 × 0.83, Buganza Tepole et al. 2015, PMC4520804, abstract), \
+             by another figure 1.23 ± 0.16 (secondary source): the rows under a natural tension have such skin at rest; their area stretches are \
+             relative to the skin on the animal, as measured."
+                .to_owned(),
         ],
         axes: [
             PlotAxis { name: "1: mean, 2: 90th percentile, 3: greatest", range: [0.8, 3.2], decimals: 0, labels: 3 },
@@ -204,7 +234,7 @@ pub const GREATEST_PRESSURE: &str = "greatest contact pressure";
 /// The mean pressure.
 pub const MEAN_PRESSURE: &str = "mean contact pressure";
 
-fn filling_scene(model: TissueModel, fat: Layer, nodes: usize) -> Scene {
+pub(super) fn filling_scene(model: TissueModel, fat: Layer, nodes: usize) -> Scene {
     // Derived values stay as they are.
     let mut scene = Scene { chest: None, patient: None, ..Scene::opening() };
     scene.set_tissue_model(model);
@@ -217,7 +247,7 @@ fn filling_scene(model: TissueModel, fat: Layer, nodes: usize) -> Scene {
     scene
 }
 
-fn filled(scene: &Scene, size: Size) -> Scene {
+pub(super) fn filled(scene: &Scene, size: Size) -> Scene {
     let mut scene = scene.clone();
     scene.implant.projection_mm = size.projection_mm();
     scene

@@ -1,7 +1,7 @@
 //! Verification: is the discrete model the model that the equations describe? Every check has a figure and its bound.
 //!
 //! `check` (a row of the table) | `elements` (cells, membrane and laws under homogeneous states, rotation, gradient) |
-//! `solutions` (energy balance, order of convergence, axisymmetric references).
+//! `solutions` (energy balance, order of convergence, axisymmetric references) | `yielding` (implants that yield).
 //!
 //! Uses `accuracy`, `axisymmetric_layers`, `measurements::slab` and the core. Used by the
 //! command line and the tests.
@@ -9,6 +9,7 @@
 mod check;
 mod elements;
 mod solutions;
+mod yielding;
 
 pub use check::{Bound, Check, csv, markdown};
 
@@ -23,6 +24,7 @@ pub fn all(is_quick: bool) -> Result<Vec<Check>, SceneError> {
     checks.extend(solutions::energy_balance()?);
     checks.extend(solutions::order(is_quick)?);
     checks.extend(solutions::references(if is_quick { &[33, 65] } else { &[33, 65, 129] })?);
+    checks.extend(yielding::references()?);
     Ok(checks)
 }
 

@@ -47,8 +47,8 @@ impl PlanTimes {
         if !is_busy && !is_started {
             self.started = Some(scene.clone());
             match Times::new(scene) {
-                Some(times) => self.study.start(times, studies),
-                None => self.study.cancel(studies),
+                Ok(times) => self.study.start(times, studies),
+                Err(_) => self.study.cancel(studies),
             }
         }
         self.study.advance(studies);

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Arguments of `schema`.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// The format: scene, result, map, map-options, bands or bands-options.
+    /// The format: scene, result, map, map-options, bands, bands-options or times.
     #[arg(long, value_name = "FORMAT", default_value = "scene", value_parser = SchemaOf::of_name)]
     of: SchemaOf,
     /// Output file; `-` is standard output.

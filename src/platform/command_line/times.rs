@@ -25,8 +25,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     output::check_path(&arguments.out)?;
     let scene = studies::scene(&arguments.scene)?;
-    let mut times = Times::new(&scene)
-        .ok_or_else(|| InputError("times: a sheet; allowed: layered tissue".to_owned()))?;
+    let mut times = Times::new(&scene).map_err(|error| InputError(error.to_owned()))?;
     let mut solver = Solver::new(&arguments.threads)?;
     solver.solve(&mut times);
     let json = serde_json::to_string_pretty(&times.file())

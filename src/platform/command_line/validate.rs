@@ -5,7 +5,7 @@ use super::{ExitStatus, InputError};
 use implant_preview_lab::accuracy::{csv, markdown, measure};
 use implant_preview_lab::charts::measurement::draw;
 use implant_preview_lab::work_precision::Case;
-use implant_preview_lab::{measurements, verification};
+use implant_preview_lab::{measurements, opening_plan, verification};
 use std::path::Path;
 
 #[derive(clap::Args)]
@@ -24,7 +24,7 @@ const OFF_CENTRE_GRIDS: [usize; 3] = [33, 65, 129];
 /// Nodes per side of the scenes that are compared with measurements, and with `--quick`.
 const MEASUREMENT_GRID: (usize, usize) = (65, 33);
 
-/// Writes `errors`, `verification` and `measurements` as CSV, Markdown or JSON, and a chart for each measurement.
+/// Writes `errors`, `verification`, `opening-plan` and `measurements` as CSV, Markdown or JSON, and a chart for each measurement.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let folder = arguments.folder.create()?;
     let count = |all: usize| if arguments.quick { 1 } else { all };
@@ -53,6 +53,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         File::new(&folder.join("errors.md"), markdown(&rows)),
     ];
     files.extend(measurement_files(folder, arguments.quick)?);
+    let parts =
+        opening_plan::parts().map_err(|error| output::input_error(Path::new("validate"), error))?;
+    files.push(File::new(&folder.join("opening-plan.md"), opening_plan::markdown(&parts)));
     let checks = verification::all(arguments.quick)
         .map_err(|error| output::input_error(Path::new("validate"), error))?;
     is_complete &= checks.iter().all(verification::Check::is_passed);

@@ -1,11 +1,13 @@
-//! Studies of the JavaScript API: many scenes, maps and bands, computed in the workers of the page.
+//! Studies of the JavaScript API: many scenes, maps, bands and times, computed in the workers of the page.
 //!
 //! Each function returns its handle `{ cancel(), done }` at once.
 
 use crate::platform::text::text;
 use crate::platform::workers::{Runner, Workers, object, runner};
 use crate::scene::{Scene, read};
-use crate::study::{Bands, BandsSettings, Cases, Map, MapOptions, PointFile, Runner as _, Study};
+use crate::study::{
+    Bands, BandsSettings, Cases, Map, MapOptions, PointFile, Runner as _, Study, Times,
+};
 use js_sys::Function;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -100,13 +102,37 @@ pub fn bands(
 ) -> Result<JsValue, JsError> {
     let (scene, settings): (_, BandsSettings) = options(&text(options_json, "options")?)?;
     let bands = Bands::new(&scene, settings)?;
+    Ok(start(bands, progress(on_progress)?, |bands| json(&bands.report())))
+}
+
+/// Solves a scene of layered tissue (JSON text) in workers, on the table, a week and six months after its operation.
+///
+/// `onProgress(done, all)` receives the numbers of solved and of all scenes. Returns `{ cancel(), done }`: the promise
+/// `done` resolves with the times (JSON text) and rejects after `cancel()` with an `AbortError`.
+///
+/// # Errors
+/// Throws an `Error` of one line that names the field, what is wrong and what is allowed; so for a sheet.
+#[wasm_bindgen(unchecked_return_type = "{ cancel(): void, done: Promise<string> }")]
+pub fn times(
+    #[wasm_bindgen(unchecked_param_type = "string")] scene_json: &JsValue,
+    #[wasm_bindgen(unchecked_param_type = "(done: number, all: number) => void")]
+    on_progress: &JsValue,
+) -> Result<JsValue, JsError> {
+    let scene = Scene::from_json(&text(scene_json, "scene")?)?;
+    let times = Times::new(&scene).map_err(JsError::new)?;
+    Ok(start(times, progress(on_progress)?, |times| json(&times.file())))
+}
+
+/// Reports the numbers of solved and of all scenes of a study.
+fn progress<S: Study + 'static>(
+    on_progress: &JsValue,
+) -> Result<impl FnMut(&S) -> Result<(), JsValue> + use<S>, JsError> {
     let on_progress = function(on_progress, "onProgress")?.clone();
-    let report = move |bands: &Bands| {
-        let (done, all) = bands.progress();
+    Ok(move |study: &S| {
+        let (done, all) = study.progress();
         on_progress.call2(&JsValue::NULL, &(done as f64).into(), &(all as f64).into())?;
         Ok(())
-    };
-    Ok(start(bands, report, |bands| json(&bands.report())))
+    })
 }
 
 /// A point of a map, as in the map's file.

@@ -41,6 +41,12 @@ impl<S: Geometry> Deformed<S> {
         Self { rest, modulus_kpa, modes: [0.0; MODES] }
     }
 
+    /// The same body with other numbers of its deformation.
+    #[must_use]
+    pub fn with_modes(self, modes: [f64; 6]) -> Self {
+        Self { modes, ..self }
+    }
+
     /// The shape at rest.
     #[must_use]
     pub fn rest(&self) -> &S {
@@ -75,6 +81,20 @@ impl<S: Geometry> Deformed<S> {
 
     fn image(&self, of: DVec3) -> DVec3 {
         self.map::<f64>().image(of.to_array()).into()
+    }
+
+    /// Height of the highest point of the surface, across and along the body \[mm\].
+    #[must_use]
+    pub fn top(&self) -> f64 {
+        let at = |k: u32| {
+            let angle = FRAC_PI_2 * f64::from(k) / 90.0;
+            let height = self.rest.half_axes().z * angle.cos();
+            let axis = self.rest.axis(height);
+            [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y].map(|direction| {
+                self.image((axis + self.rest.reach(angle, direction)).extend(height)).z
+            })
+        };
+        (0..=90).flat_map(at).fold(0.0, f64::max)
     }
 
     /// Factors of the widths of the base, and of lengths upright at the apex.
