@@ -63,6 +63,9 @@ pub(crate) trait ElasticModel {
     /// Renews what stands for constraints of the model, such as the pressure of nearly incompressible tissue, after a cycle.
     fn renew(&self, _layout: &Layout, _u: &Field, _scratch: &mut Self::Scratch) {}
 
+    /// Discards what [`Self::renew`] has renewed.
+    fn forget(&self, _scratch: &mut Self::Scratch) {}
+
     /// Mixes what [`Self::renew`] renews as the displacements of the last cycles are mixed: p ← p − θ₁(p − p′) − θ₂(p − p″), p′ and p″
     /// those before the last two mixings; a factor without that many mixings is zero.
     fn mix(&self, _scratch: &mut Self::Scratch, _thetas: [f32; 2]) {}

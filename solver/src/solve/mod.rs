@@ -8,12 +8,13 @@
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
 //! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves) |
-//! `yielding` (an implant that yields), `balance` (with a solution).
+//! `continuation` (from the solution of another problem) | `yielding` (an implant that yields), `balance` (with a solution).
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
 mod accessors;
 mod balance;
+mod continuation;
 mod discretisation;
 mod fas;
 mod growth;
@@ -59,6 +60,8 @@ pub struct Solver {
     stage: Stage,
     /// Attempts of this solve: multigrid with one set of constants after the other, Newton's method as the fallback.
     attempts: u32,
+    /// Solves in a row that continued from the one before.
+    continued: u32,
     growths: growth::Growths,
     /// Work of Newton's method before the skin grew \[see [`Report::work_units`]\].
     newton_work_before_growth: f64,
@@ -119,6 +122,7 @@ impl Solver {
             newton: None,
             stage: Stage::Newton,
             attempts: 1,
+            continued: 0,
             growths: growth::Growths::default(),
             newton_work_before_growth: 0.0,
             balances: 0,
@@ -204,7 +208,7 @@ impl Solver {
     fn start(&mut self) {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
-        self.attempts = 1;
+        (self.attempts, self.continued) = (1, 0);
         self.growths = growth::Growths::default();
         self.newton_work_before_growth = 0.0;
         self.balances = 0;
@@ -365,6 +369,7 @@ impl Solver {
                     self.grow_or_end();
                 }
             }
+            fas::State::Failed if self.starts_from_nothing() => {}
             fas::State::Failed => {
                 self.attempts += 1;
                 self.keep_shape();

@@ -124,6 +124,35 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start(problem, stop, draft));
     }
 
+    /// Continues from the solution of layered tissue of another problem with the same law; false where that is not possible, and nothing is
+    /// changed.
+    pub(super) fn continue_from(
+        &mut self,
+        before: &Problem,
+        problem: &Problem,
+        law: &Law,
+        stop: Stop,
+        draft: Option<f64>,
+    ) -> bool {
+        let (Self::Layered(scheme), Law::Layered(law)) = (self, law) else { return false };
+        let Some(moves) = scheme.moves(before, problem) else { return false };
+        if problem.rest != before.rest || problem.patch != before.patch {
+            scheme.set_model(layered(problem, law));
+        }
+        scheme.continue_by(&moves, problem, stop, draft);
+        true
+    }
+
+    /// Does the solve continue from the solution of another problem?
+    pub(super) fn is_continued(&self) -> bool {
+        delegate!(self, scheme => scheme.is_continued())
+    }
+
+    /// See [`FullMultigrid::start_from_nothing`].
+    pub(super) fn start_from_nothing(&mut self, problem: &Problem, stop: Stop) {
+        delegate!(self, scheme => scheme.start_from_nothing(problem, stop));
+    }
+
     /// Starts another attempt, by other constants; false after the last attempt: of a sheet the second, of the paper's springs the
     /// first; of layered tissue the second over even tissue on a flat wall, else the fourth (on few nodes the third), unless one ended slowly near
     /// its solution, as skin in folds does in a hollow.

@@ -158,6 +158,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if !change.is_finite() {
             return State::Failed;
         }
+        if self.is_too_far(change) {
+            return State::Failed;
+        }
         let is_slow = self.convergence.estimate_error(change, self.parameters);
         // Skin in folds has a slow mode, and slack skin hardly moves: close to the end further cycles cost less than another attempt.
         if change <= NEAR_END * self.tolerance * self.reference_length {

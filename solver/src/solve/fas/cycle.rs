@@ -53,6 +53,8 @@ pub(super) struct Plan {
     /// Number of previous cycles of this grid.
     pub(super) cycles: u32,
     pub(super) mode: Mode,
+    /// See [`FullMultigrid::is_continued`].
+    pub(super) is_continued: bool,
     pub(super) parameters: &'static Parameters,
 }
 
@@ -80,7 +82,8 @@ impl Plan {
     /// Blocks are recomputed in the first cycles of their own grid only, in robust mode in every cycle. The coarsest grid:
     /// [`FullMultigrid::solve_coarsest`].
     fn renews_blocks(self, grid: usize) -> bool {
-        let is_own = grid == self.top && self.cycles < self.parameters.block_cycles;
+        let is_new = self.cycles < self.parameters.block_cycles && !self.is_continued;
+        let is_own = grid == self.top && is_new;
         is_own || self.mode == Mode::Robust
     }
 
@@ -111,8 +114,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         level.before.copy_from(&level.u);
         let is_yielding = self.yielded.is_some() && convergence.cycles > 0;
-        let (top, cycles, mode) = (*grid, convergence.cycles, *mode);
-        Plan { top, cycles, mode, parameters }.v_cycle(steps);
+        let (top, cycles, mode, is_continued) =
+            (*grid, convergence.cycles, *mode, self.is_continued);
+        Plan { top, cycles, mode, is_continued, parameters }.v_cycle(steps);
         self.next_step = 0;
         if is_yielding {
             self.yield_to_tissue();
@@ -200,7 +204,13 @@ mod tests {
     #[test]
     fn a_later_cycle_of_three_grids_smooths_twice_on_the_way_down_and_up() {
         let mut steps = Vec::new();
-        let plan = Plan { top: 2, cycles: 3, mode: Mode::Fast, parameters: &MEMBRANE };
+        let plan = Plan {
+            top: 2,
+            cycles: 3,
+            mode: Mode::Fast,
+            is_continued: false,
+            parameters: &MEMBRANE,
+        };
         plan.v_cycle(&mut steps);
         let smooth = |grid: usize| [1.6, 0.5].map(|omega| Step::Smooth { grid, omega });
         let mut expected = Vec::new();

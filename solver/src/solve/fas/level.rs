@@ -111,6 +111,11 @@ impl<M: ElasticModel> Level<M> {
         model.place(&self.layout, spacing, self.rest.as_ref(), &mut self.scratch);
     }
 
+    /// Discards what the model has renewed.
+    pub(super) fn forget(&mut self, model: &M) {
+        model.forget(&mut self.scratch);
+    }
+
     /// Fits the model to its growth, at the present displacements.
     pub(super) fn grow(&mut self, model: &M) {
         self.are_forces_current = false;

@@ -6,8 +6,10 @@
 //! grids inherit the set by restriction.
 //!
 //! `cycle` (the V-cycle as a schedule) | `convergence` (error estimate, endings) | `parameters` | `level` (one
-//! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `shape` (an implant that yields).
+//! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `shape` (an implant that yields) |
+//! `continuation` (from the solution of another problem).
 
+mod continuation;
 mod convergence;
 mod cycle;
 mod level;
@@ -100,6 +102,8 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     work_units: f64,
     /// Before the model grew: cycles of the finest grid, and [`Self::change_by_refinement`].
     before_growth: (u32, Option<f64>),
+    /// See [`Self::is_continued`].
+    is_continued: bool,
     /// The rest of the way of a rising dome, the last step first.
     ascent: Vec<Ascent>,
     /// The implant, if it yields.
@@ -162,6 +166,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             row: vec![0.0; nodes_per_side + 8],
             work_units: 0.0,
             before_growth: (0, None),
+            is_continued: false,
             ascent: Vec::new(),
             yielded: None,
             levels,
@@ -269,28 +274,20 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Starts on the coarsest grid.
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft_tolerance: Option<f64>) {
-        let Problem { rest, tolerance, .. } = problem;
         self.yielded = Yielded::of(problem, self.mirrored());
         let obstacle = &match &self.yielded {
             Some(yielded) => yielded.in_place(&problem.obstacle),
             None => problem.obstacle.clone(),
         };
-        self.stop = stop;
-        self.draft_tolerance = draft_tolerance;
-        self.reference_length = obstacle.dome.reference_length();
-        self.spacing = rest.sheet().spacing_mm();
-        self.tolerance = tolerance.max(self.parameters.least_tolerance);
-        let finest = self.levels.len() - 1;
-        for (l, level) in self.levels.iter_mut().enumerate() {
-            let spacing = self.spacing * f64::from(1 << (finest - l));
-            level.fit(&self.model, spacing, rest);
+        self.set_up(problem, stop, draft_tolerance);
+        self.is_continued = false;
+        self.before_growth = (0, None);
+        for level in &mut self.levels {
+            level.forget(&self.model);
             // A failed solve may leave numbers that are not finite at clamped nodes.
             level.u.fill_zero();
         }
-        self.work_units = 0.0;
-        self.before_growth = (0, None);
-        self.has_coarse_solution = false;
-        self.mode = Mode::Fast;
+        let finest = self.levels.len() - 1;
         let first = self.parameters.first_grid.min(finest);
         let standing = |part: &f64| match *part {
             1.0 => obstacle.clone(),
@@ -315,6 +312,24 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.invert_blocks(&self.model);
         }
         self.begin_grid(first);
+    }
+
+    /// Fits the grids to a problem, before its first cycle.
+    fn set_up(&mut self, problem: &Problem, stop: Stop, draft_tolerance: Option<f64>) {
+        let Problem { rest, obstacle, tolerance, .. } = problem;
+        self.stop = stop;
+        self.draft_tolerance = draft_tolerance;
+        self.reference_length = obstacle.dome.reference_length();
+        self.spacing = rest.sheet().spacing_mm();
+        self.tolerance = tolerance.max(self.parameters.least_tolerance);
+        let finest = self.levels.len() - 1;
+        for (l, level) in self.levels.iter_mut().enumerate() {
+            let spacing = self.spacing * f64::from(1 << (finest - l));
+            level.fit(&self.model, spacing, rest);
+        }
+        self.work_units = 0.0;
+        self.has_coarse_solution = false;
+        self.mode = Mode::Fast;
     }
 
     /// Continues from the solution with a model that has grown; the coarser grids are solved for no other.

@@ -235,13 +235,10 @@ impl ElasticModel for Layered {
             natural: self.natural,
             stiffness: self.stiffness,
         };
-        scratch.pressure.clear();
-        scratch.border_pressure.clear();
-        if self.is_augmented() {
-            scratch.pressure.resize(layout.len() * self.cells.len(), 0.0);
-            let groups = scratch.border.len() * self.cells.len();
-            scratch.border_pressure.resize(groups, f32x4::ZERO);
-        }
+        let augmented = if self.is_augmented() { self.cells.len() } else { 0 };
+        scratch.pressure.resize(layout.len() * augmented, 0.0);
+        let groups = scratch.border.len() * augmented;
+        scratch.border_pressure.resize(groups, f32x4::ZERO);
         for (points, cells) in scratch.points.iter_mut().zip(&self.cells) {
             let zero = f32x4::ZERO;
             *points = if is_large(spacing, cells.height) { zero.simd_eq(zero) } else { zero };
@@ -340,6 +337,11 @@ impl ElasticModel for Layered {
         let shapes = std::mem::take(&mut scratch.shapes);
         of_shapes!(&shapes, shapes => self.renew_pressure(layout, shapes, u, scratch));
         scratch.shapes = shapes;
+    }
+
+    fn forget(&self, scratch: &mut Scratch) {
+        scratch.pressure.fill(0.0);
+        scratch.border_pressure.fill(f32x4::ZERO);
     }
 
     fn mix(&self, scratch: &mut Scratch, [one, two]: [f32; 2]) {
