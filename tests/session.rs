@@ -4,7 +4,7 @@
 
 use implant_preview::clinical::Measurements;
 use implant_preview::measure::bands::SkinLimits;
-use implant_preview::measure::{Field, Status};
+use implant_preview::measure::{Field, Outcome, Status};
 use implant_preview::scene::{CellsThrough, Layer, Scene, Springs};
 use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::{Displayed, Method, Options, Progress, Solver};
@@ -109,6 +109,7 @@ fn work(session: &mut Session, step: impl FnOnce(&mut Session)) -> Counters {
         solves: after.solves - before.solves,
         slices: after.slices - before.slices,
         work_units: after.work_units - before.work_units,
+        coarse_work_units: after.coarse_work_units - before.coarse_work_units,
         measurements: after.measurements - before.measurements,
         solutions: after.solutions - before.solutions,
         recoveries: after.recoveries - before.recoveries,
@@ -459,6 +460,10 @@ fn a_drag_displays_a_draft_within_a_thousandth_and_then_the_final_shape() {
         let mut session = Session::new(scene).unwrap();
         settle(&mut session);
         edit(&mut session, 1, |scene| scene.insertion = 0.9);
+        if session.has_coarser_grid() {
+            assert_eq!(session.advance(&mut || false), Progress::Working);
+            assert_eq!(session.coarser_nodes_per_side(), Some(65));
+        }
         // Without a pause, a slice ends at the draft.
         assert_eq!(session.advance(&mut || false), Progress::Working);
         assert_eq!(session.solver().displayed(), Displayed::Draft);
@@ -473,6 +478,66 @@ fn a_drag_displays_a_draft_within_a_thousandth_and_then_the_final_shape() {
         let moved = moved.fold(0.0, f64::max) / 55.0;
         assert!(moved > 0.0 && moved < 1e-3, "{moved:.1e}");
     }
+}
+
+#[test]
+fn a_drag_of_layered_tissue_shows_the_results_of_a_coarser_grid_and_ends_on_its_own() {
+    let mut scene = Scene::opening();
+    (scene.solver.nodes_per_side, scene.solver.tolerance) = (129, 1e-3);
+    let mut session = Session::new(scene.clone()).unwrap();
+    settle(&mut session);
+    assert_eq!(
+        (session.coarser_nodes_per_side(), session.counters().coarse_work_units),
+        (None, 0.0)
+    );
+    let exact = |scene: &Scene| {
+        let mut other = Session::new(scene.clone()).unwrap();
+        settle(&mut other);
+        other
+    };
+    for step in 1..=4 {
+        edit(&mut session, 1, |scene| scene.implant.projection_mm += 0.3);
+        let edited = work(&mut session, |session| {
+            assert!(session.is_on_coarser_grid() && !session.is_outcome_present());
+            assert_eq!(session.problem().sheet().nodes_per_side(), 129);
+            assert_eq!(session.advance(&mut || false), Progress::Working);
+        });
+        // Not a step on the grid of 129 nodes; the first edit has no solution to continue from.
+        assert_eq!((edited.work_units, edited.measurements, edited.previews), (0.0, 1, 1));
+        let most = if step == 1 { 60.0 } else { 35.0 };
+        assert!(edited.coarse_work_units < most, "{step}: {}", edited.coarse_work_units);
+        assert_eq!(session.displayed(), Displayed::Coarse { nodes_per_side: 65 });
+        assert!(session.is_outcome_present() && session.result().is_none());
+        let coarse = session.outcome().unwrap();
+        assert_eq!(coarse.solver.nodes_per_side, 65);
+        assert!(coarse.solver.estimated_discretisation_error.unwrap() < 0.01);
+        assert!(coarse.warnings.iter().all(|warning| !warning.contains("rounded")));
+    }
+    let coarse = session.outcome().unwrap().clone();
+    settle(&mut session);
+    let (own, other) = (session.outcome().unwrap(), exact(session.scene()));
+    assert_eq!((session.coarser_nodes_per_side(), own.solver.nodes_per_side), (None, 129));
+    assert_eq!(session.shape(), other.shape());
+    let of = |outcome: &Outcome| outcome.strain.as_ref().unwrap().max_principal;
+    let ratio = of(&coarse) / of(own);
+    assert!((0.97..1.03).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn a_scene_without_an_answer_on_the_coarser_grid_is_solved_on_its_own() {
+    let mut session = Session::new(Scene::opening()).unwrap();
+    settle(&mut session);
+    edit(&mut session, 1, |scene| {
+        scene.implant.projection_mm = 75.0;
+        scene.implant.base_radius_mm = 40.0;
+    });
+    assert_eq!(session.advance(&mut || false), Progress::Working);
+    assert_eq!((session.coarser_nodes_per_side(), session.is_on_coarser_grid()), (None, false));
+    assert!(session.is_working());
+    // The next plan with an answer shows its coarser grid again.
+    session.apply(Command::Undo).unwrap();
+    assert_eq!(session.advance(&mut || false), Progress::Working);
+    assert_eq!(session.coarser_nodes_per_side(), Some(65));
 }
 
 #[test]

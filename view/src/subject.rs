@@ -62,7 +62,8 @@ impl Subject for Session {
     }
 
     fn is_unsettled(&self) -> bool {
-        self.is_working() && self.displayed() != Displayed::Draft
+        let is_solution = self.coarser_nodes_per_side().is_some();
+        self.is_working() && !is_solution && self.displayed() != Displayed::Draft
     }
 
     fn is_working(&self) -> bool {

@@ -101,6 +101,14 @@ impl CheckedScene {
         self.scene
     }
 
+    /// The same scene on a grid with this number of nodes per side, to this tolerance \[base radius\].
+    pub(crate) fn on_grid(&self, nodes_per_side: usize, tolerance: f64) -> Self {
+        let mut other = self.clone();
+        (other.scene.solver.nodes_per_side, other.scene.solver.tolerance) =
+            (nodes_per_side, tolerance);
+        other
+    }
+
     /// The layers from the skin inwards.
     #[must_use]
     pub fn materials(&self) -> &[Material] {

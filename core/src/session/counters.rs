@@ -9,6 +9,8 @@ pub struct Counters {
     pub slices: u64,
     /// Force evaluations, in work units of the finest grid.
     pub work_units: f64,
+    /// The same on the coarser grid that is solved first, in its own work units.
+    pub coarse_work_units: f64,
     /// Results measured.
     pub measurements: u64,
     /// Solutions copied from the solver for results or display.

@@ -5,6 +5,7 @@
 //!
 //! Uses all modules to its left. Used by the lab, `view`, `app` and `platform`.
 
+mod coarse;
 mod command;
 mod counters;
 mod other_side;
@@ -18,6 +19,7 @@ use crate::scene::{CheckedScene, Document, Scene, SceneError};
 use crate::simulate;
 use crate::solve::{Displayed, Invalid, Options, Progress, Solver};
 use crate::springs::stability::Limits;
+use coarse::Coarse;
 pub use command::{Command, CommandError};
 pub use counters::Counters;
 pub use other_side::OtherSide;
@@ -72,6 +74,7 @@ pub struct Session {
     redo: Vec<Scene>,
     last_gesture: Option<u64>,
     solver: Solver,
+    coarse: Coarse,
     state: State,
     revision: u64,
     /// The fields of the displayed shape: the previous shape until the solver has a shape of the current scene.
@@ -113,6 +116,7 @@ impl Session {
             redo: Vec::new(),
             last_gesture: None,
             solver,
+            coarse: Coarse::default(),
             state: State::Solving(Shown::Nothing),
             revision: 1,
             fields: OnceCell::new(),
@@ -254,9 +258,9 @@ impl Session {
             return self.hold(checked.into_scene(), solved);
         }
         self.note_answer();
-        self.solver.restart(problem);
         // The previous shape is displayed, if it ever was, until the solver has another.
         let is_shown = self.is_shape_known() && self.fields.get().is_some();
+        self.start_solve(&checked, problem);
         self.state = State::Solving(if is_shown { Shown::Shape } else { Shown::Nothing });
         self.count(|c| c.solves += 1);
         let before = std::mem::replace(&mut self.scene, checked.into_scene());
@@ -270,6 +274,7 @@ impl Session {
     fn hold(&mut self, scene: Scene, Solved { outcome, fields }: Solved) -> Scene {
         self.reshaped();
         self.fields = OnceCell::from(fields);
+        self.coarse.clear();
         self.last_answer = None;
         self.measured = Some(Measured { outcome, previous: None });
         self.state = State::Held;
@@ -291,10 +296,18 @@ impl Session {
     /// The solver's part of [`Self::advance`], to be followed by [`Self::conclude`].
     pub fn solve(&mut self, pause: &mut dyn FnMut() -> bool) -> Progress {
         let State::Solving(shown) = self.state else { return Progress::Done };
+        if self.coarse.waiting.is_some() {
+            self.solve_coarse(pause);
+            return Progress::Working;
+        }
         let (work, revision) = (self.solver.work_units(), self.solver.revision());
         let progress = self.solver.advance(pause);
         let work = self.solver.work_units() - work;
-        let has_moved = self.solver.revision() != revision;
+        let displayed = self.solver.displayed();
+        // The solution of the coarser grid is a better shape than a start of the own one.
+        let is_start = matches!(displayed, Displayed::Coarse { .. })
+            && self.coarser_nodes_per_side().is_some();
+        let has_moved = self.solver.revision() != revision && !is_start;
         self.count(|c| {
             c.slices += 1;
             c.work_units += work;
@@ -312,9 +325,10 @@ impl Session {
             }
         }
         if has_moved || progress == Progress::Done {
+            self.coarse.clear();
             self.reshaped();
         }
-        let is_draft = self.solver.displayed() == Displayed::Draft;
+        let is_draft = displayed == Displayed::Draft;
         self.state = match progress {
             Progress::Done => State::Done { is_measured: false },
             Progress::Working if !has_moved => State::Solving(shown),
@@ -368,6 +382,9 @@ impl Session {
         if self.is_working() && !self.take_back() {
             self.state = State::Stopped;
             self.measured = None;
+            if self.coarse.waiting.is_none() {
+                self.coarse.clear();
+            }
             self.reshaped();
         }
     }
@@ -399,9 +416,7 @@ impl Session {
         };
         if let Some(state) = measured {
             self.state = state;
-            let outcome = simulate::measure(&self.scene, self.fields());
-            self.measured = Some(Measured { outcome, previous: None });
-            self.count(|c| c.measurements += 1);
+            self.measure();
         }
         if !self.is_working() {
             self.share_solutions();

@@ -36,8 +36,9 @@ impl Session {
     /// The problem being solved: grid, patch, obstacle, layers.
     #[must_use]
     pub fn problem(&self) -> &Problem {
-        match self.fields.get() {
-            Some(fields) if self.is_held() => fields.solution().problem(),
+        match (self.fields.get(), &self.coarse.waiting) {
+            (Some(fields), _) if self.is_held() => fields.solution().problem(),
+            (_, Some(waiting)) => waiting,
             _ => self.solver.problem(),
         }
     }
@@ -45,19 +46,28 @@ impl Session {
     /// Why the last shape of the current solve was invalid.
     #[must_use]
     pub fn invalid(&self) -> Option<Invalid> {
-        self.solver.invalid().filter(|_| !self.is_held())
+        self.solver.invalid().filter(|_| !self.is_held() && !self.is_on_coarser_grid())
     }
 
     /// Origin of the displayed shape.
     #[must_use]
     pub fn displayed(&self) -> Displayed {
-        if self.is_held() { Displayed::Final } else { self.solver.displayed() }
+        match self.coarser_nodes_per_side() {
+            _ if self.is_held() => Displayed::Final,
+            _ if self.is_on_coarser_grid() => Displayed::Previous,
+            Some(nodes_per_side) => Displayed::Coarse { nodes_per_side },
+            None => self.solver.displayed(),
+        }
     }
 
     /// Completed fraction of the current solve, 0 to 1.
     #[must_use]
     pub fn fraction_done(&self) -> f64 {
-        if self.is_held() { 1.0 } else { self.solver.fraction_done() }
+        match self.is_held() {
+            true => 1.0,
+            false if self.is_on_coarser_grid() => 0.0,
+            false => self.solver.fraction_done(),
+        }
     }
 
     /// The solver, for tests; with the solution of a pin the solver still has its previous problem.

@@ -21,6 +21,8 @@ use web_time::{Duration, Instant};
 
 /// Time limit of a slice of solving; the running step is finished.
 const SLICE: Duration = Duration::from_millis(10);
+/// The same where a coarser grid is solved first: its whole solve, or the scene's own grid while the hand rests.
+const SLICE_AT_REST: Duration = Duration::from_millis(30);
 /// Upper limit of a slice of a long solve or of a pin, for slow frames.
 const LONG_SLICE: Duration = Duration::from_millis(200);
 /// Time limit of the first slice, which solves most opening scenes.
@@ -162,6 +164,8 @@ impl App {
             FIRST_SLICE
         } else if running.since.elapsed() > LONG {
             long_slice(ctx)
+        } else if self.shared.session.has_coarser_grid() {
+            SLICE_AT_REST
         } else {
             SLICE
         };

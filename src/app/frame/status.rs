@@ -3,7 +3,7 @@
 use crate::app::plan::advanced;
 use crate::app::texts::{fixed, localized, tr};
 use crate::app::widgets::theme;
-use crate::measure::{Status, no_shape};
+use crate::measure::{Outcome, Status, no_shape};
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::solve::Displayed;
@@ -132,11 +132,15 @@ fn status_text(session: &Session) -> StatusText {
             Displayed::Draft => {
                 tr("Provisional shape: position error below 0.1 % of the base radius.").to_owned()
             }
-            Displayed::Coarse { nodes_per_side } => tr!(
-                "Provisional shape on a coarse grid: {nodes_per_side} of {all} nodes per side.",
-                nodes_per_side,
-                all = session.problem().sheet().nodes_per_side()
-            ),
+            Displayed::Coarse { nodes_per_side } => {
+                let shape = tr!(
+                    "Provisional shape on a coarse grid: {nodes_per_side} of {all} nodes per side.",
+                    nodes_per_side,
+                    all = session.problem().sheet().nodes_per_side()
+                );
+                let of_coarser = session.outcome().filter(|_| session.is_outcome_present());
+                shape + &error_of_grid(of_coarser)
+            }
             Displayed::Previous | Displayed::Final => {
                 tr("The previous shape is still shown.").to_owned()
             }
@@ -151,13 +155,7 @@ fn status_text(session: &Session) -> StatusText {
                 || tr("below the tolerance").to_owned(),
                 |error| tr!("at most {error} of the base radius", error = percent(error)),
             );
-            let of_grid =
-                outcome.solver.estimated_discretisation_error.map_or_else(String::new, |error| {
-                    tr!(
-                        " A finer grid would move the skin by about {distance}.",
-                        distance = percent(error)
-                    )
-                });
+            let of_grid = error_of_grid(Some(outcome));
             let details = tr!(
                 "Converged: the position error on this grid is {error}.{of_grid}",
                 error,
@@ -180,6 +178,17 @@ fn status_text(session: &Session) -> StatusText {
         }
         Status::Unstable => warning(tr("No answer"), tr(no_shape(session.invalid())).to_owned()),
     }
+}
+
+/// What a finer grid would change, in a sentence; empty where it is not known.
+fn error_of_grid(outcome: Option<&Outcome>) -> String {
+    let error = outcome.and_then(|outcome| outcome.solver.estimated_discretisation_error);
+    error.map_or_else(String::new, |error| {
+        tr!(
+            " A finer grid would move the skin by about {distance}.",
+            distance = percent_text(100.0 * error)
+        )
+    })
 }
 
 /// Formats an error with one significant digit, rounded up.
