@@ -13,14 +13,16 @@ use implant_preview_lab::axisymmetric_layers::{self, Input};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
-/// The opening plan on a grid, with members of the file replaced.
+/// The opening plan with a rigid implant on a grid, with members of the file replaced.
 fn scene(nodes: usize, members: &Value) -> Scene {
     let mut file: Value = serde_json::from_str(&Scene::opening().to_json()).unwrap();
     file["solver"] = json!({ "nodes_per_side": nodes, "tolerance": 1e-4 });
     for (name, value) in members.as_object().unwrap() {
         file[name] = value.clone();
     }
-    Scene::from_json(&file.to_string()).unwrap()
+    let mut scene = Scene::from_json(&file.to_string()).unwrap();
+    scene.implant.fill = None;
+    scene
 }
 
 fn skin_state(tension: f64, anisotropy: f64, direction_deg: f64) -> Value {

@@ -32,6 +32,8 @@ mod chest;
 mod curve_editor;
 #[path = "screens/device.rs"]
 mod device;
+#[path = "screens/fill.rs"]
+mod fill;
 #[path = "screens/filling.rs"]
 mod filling;
 #[path = "screens/focus.rs"]

@@ -12,12 +12,13 @@ use implant_preview_lab::axisymmetric_layers::{self, Input};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
-/// The opening plan on a grid over a wall, under a natural tension \[N/m\], with growth.
+/// The opening plan with a rigid implant on a grid over a wall, under a natural tension \[N/m\], with growth.
 fn scene(nodes: usize, chest_mm: Option<f64>, tension: f64, grown: f64) -> Scene {
     let mut file: Value = serde_json::from_str(&Scene::opening().to_json()).unwrap();
     file["solver"] = json!({ "nodes_per_side": nodes, "tolerance": 1e-4 });
     file["skin_state"] = json!({ "natural_tension_n_per_m": tension, "grown": grown });
     let mut scene = Scene::from_json(&file.to_string()).unwrap();
+    scene.implant.fill = None;
     let chest = |radius| ChestShape { radius_across_mm: radius, radius_along_mm: Some(radius) };
     scene.set_chest(chest_mm.map(chest));
     scene

@@ -33,7 +33,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     const expected = { name: "width_cm", label: "Width", unit: "cm", text: "12.0", range: "7 to 24 cm", least: 7, most: 24 };
     assert.deepEqual(width, expected);
     assert.equal(seen.refusals[0], "Width: “NaN” is not a number");
-    assert.match(seen.refusals[1], /^the plan has no field of this name; allowed: shape, width_cm, /);
+    assert.match(seen.refusals[1], /^the plan has no field of this name; allowed: shape, fill, width_cm, /);
     assert.equal(seen.refusals[2], "value is not text; allowed: a string");
     const { implant } = await harness.scene(page);
     const volume = (2 / 3) * Math.PI * implant.base_radius_mm ** 2 * implant.projection_mm * 1e-3;

@@ -27,13 +27,9 @@ fn an_expander_is_called_an_expander_throughout() {
     assert!(about_implants(&harness).len() > 5, "{:?}", about_implants(&harness));
     press(&mut harness, "expander");
     harness.run();
-    for text in [
-        "Cover over expander",
-        "Projection of the expander",
-        "Expander volume",
-        "Position of the expander",
-        "Range of expanders",
-    ] {
+    for text in
+        ["Cover over expander", "Expander volume", "Position of the expander", "Range of expanders"]
+    {
         assert!(harness.query_all_by_label(text).count() > 0, "{text}");
     }
     assert_eq!(about_implants(&harness), Vec::<String>::new());

@@ -237,6 +237,7 @@ pub const MEAN_PRESSURE: &str = "mean contact pressure";
 pub(super) fn filling_scene(model: TissueModel, fat: Layer, nodes: usize) -> Scene {
     // Derived values stay as they are.
     let mut scene = Scene { chest: None, patient: None, ..Scene::opening() };
+    scene.implant.fill = None;
     scene.set_tissue_model(model);
     if let Some(layer) = scene.layers.get_mut(1) {
         layer.curve = fat.curve;

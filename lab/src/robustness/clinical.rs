@@ -109,6 +109,7 @@ impl Clinical {
     pub fn scene(self, seed: u64, case: u64) -> Scene {
         let rng = &mut random(seed, case);
         let mut scene = Scene { chest: None, patient: None, ..Scene::opening() };
+        scene.implant.fill = None;
         let volumes = if self.has_terrain { terrain::VOLUME_ML } else { VOLUME_ML };
         let (radius, projection) = loop {
             let radius = uniform(rng, BASE_RADIUS_MM);

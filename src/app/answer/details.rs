@@ -10,6 +10,7 @@ use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::without_negative_zero;
 use crate::app::widgets::{group, remark};
 use crate::measure::{Outcome, STRAIN_BANDS};
+use crate::scene::Scene;
 use crate::session::Session;
 use crate::study::Quantity;
 use eframe::egui::{self, RichText, Ui};
@@ -28,7 +29,7 @@ pub(crate) fn show(
         group(ui, tr(before_after::TITLE), |ui| before_after::show(ui, table, "measures"));
     }
     cover(ui, outcome, bands);
-    shape(ui, outcome, bands);
+    shape(ui, outcome, bands, session.scene());
     contact(ui, outcome, bands);
     tissue(ui, outcome, bands);
 }
@@ -38,13 +39,19 @@ pub(crate) fn position_error(outcome: &Outcome) -> f64 {
     outcome.solver.estimated_position_error.unwrap_or(f64::INFINITY)
 }
 
-fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
+fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>, scene: &Scene) {
     let error = position_error(outcome);
     group(ui, tr("Shape"), |ui| {
         let device = Device::of(ui.ctx());
         let words = |text: &str| device.words(text);
         rows(ui, |ui| {
-            row(ui, error, words(tr("Projection of the implant")), outcome.projection_mm, 1, "mm");
+            let catalogue = scene.implant.projection_mm;
+            row(ui, error, tr("Projection in the catalogue"), Some(catalogue), 1, "mm");
+            row(ui, error, tr("Projection in the body"), outcome.projection_mm, 1, "mm");
+            if let Some(body) = outcome.implant_in_body {
+                let width = 2.0 * body.half_width_mm[0];
+                row(ui, error, tr("Width in the body"), Some(width), 1, "mm");
+            }
             of(ui, outcome, bands, Quantity::SkinProjectionMm, 1);
             row(ui, error, words(tr("Implant volume")), Some(outcome.implant_volume_ml), 0, "ml");
             row(ui, error, tr("Skin area before"), Some(outcome.area_before_cm2), 1, "cm²");

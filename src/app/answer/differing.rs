@@ -1,10 +1,10 @@
-//! What differs between the plan and its pins beside the size: name and shape of the implant, skin, pinch, thickness, chest, pocket. The table of the comparison, the
+//! What differs between the plan and its pins beside the size: name, shape and fill of the implant, skin, pinch, thickness, chest, pocket. The table of the comparison, the
 //! report and the captions of the pictures side by side contain only what differs.
 //!
 //! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
 
 use crate::app::plan::device::Device;
-use crate::app::plan::{chest_in_words, shape_in_words};
+use crate::app::plan::{chest_in_words, fill_in_words, shape_in_words};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::scene::{Field, Scene};
@@ -34,10 +34,11 @@ use Value::{Number, Shape, Words};
 
 const BREAST: &str = "Breast";
 
-const GIVEN: [Given; 9] = [
+const GIVEN: [Given; 10] = [
     Given { name: BREAST, unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
+    Given { name: "Filled with", unit: "", value: Words(fill_in_words), is_in_captions: true },
     Given { name: "Skin", unit: "", value: Words(skin), is_in_captions: true },
     Given { name: "Pinch", unit: "cm", value: Number(Field::Pinch), is_in_captions: true },
     Given {

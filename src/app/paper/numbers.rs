@@ -96,7 +96,16 @@ fn rows(layers: usize) -> Vec<Row> {
                     - (skin.pocket_after_cm2 - skin.pocket_before_cm2),
             )
         }),
-        Row::new("Height of the tip in place", "mm", |_, outcome| outcome.projection_mm),
+        Row::new("Projection in the body", "mm", |_, outcome| outcome.projection_mm),
+        Row::new("Half width in the body, across", "mm", |_, outcome| {
+            Some(outcome.implant_in_body?.half_width_mm[0])
+        }),
+        Row::new("Half width in the body, along", "mm", |_, outcome| {
+            Some(outcome.implant_in_body?.half_width_mm[1])
+        }),
+        Row::new("Modulus of the fill with its shell", "kPa", |_, outcome| {
+            Some(outcome.implant_in_body?.modulus_kpa)
+        }),
         Row::new("Contact angle", "degrees", |_, outcome| outcome.contact_angle_deg),
         Row::new("Contact radius, at rest", "mm", |_, outcome| outcome.contact_material_radius_mm),
     ]);

@@ -3,7 +3,7 @@
 
 use super::field::{Field, Values};
 use super::{
-    Choices, Device, chest, format_at_most, implant, insertion, mm, patient, plain, pocket,
+    Choices, Device, chest, fill, format_at_most, implant, insertion, mm, patient, plain, pocket,
     position, set_insertion, shape, visit,
 };
 use crate::app::texts::tr;
@@ -50,6 +50,7 @@ const OTHERS: [(&str, Number); 8] = [
 ];
 const WIDTH: &str = "width_cm";
 const SHAPE: &str = "shape";
+const FILL: &str = "fill";
 const PINCH: &str = "pinch_cm";
 const SKIN: &str = "skin";
 const CHEST: &str = "chest";
@@ -69,8 +70,9 @@ fn numbers() -> impl Iterator<Item = (&'static str, Number)> {
 pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     let mut fields = Vec::new();
     for (name, number) in numbers() {
-        let has_shape = name == WIDTH && has_shape(choices);
-        fields.extend(has_shape.then(|| shape_field(scene)));
+        if name == WIDTH && has_shape(choices) {
+            fields.extend([shape_field(scene), fill_field(scene)]);
+        }
         fields.extend(number.control(scene, choices).map(|(control, value)| {
             let allowed = control.allowed();
             let (text, values) = (
@@ -106,7 +108,7 @@ fn without_last(choices: &Choices) -> Choices {
     Choices { last: None, ..*choices }
 }
 
-/// Has the plan a choice between round and anatomical? An expander has none.
+/// Has the plan a choice between round and anatomical, and of the fill? An expander has none.
 fn has_shape(choices: &Choices) -> bool {
     choices.device == Device::Implant
 }
@@ -126,6 +128,23 @@ fn shape_field(scene: &Scene) -> Field {
         values: Values::Words {
             choices: shape::CHOICES.map(|(word, _)| word).to_vec(),
             words: shape::CHOICES.map(|(word, _)| tr(word)).to_vec(),
+        },
+    }
+}
+
+/// The choice of the implant's fill; empty for a gel by its numbers.
+fn fill_field(scene: &Scene) -> Field {
+    Field {
+        name: FILL,
+        label: tr("Filled with"),
+        unit: "",
+        text: fill::choice(scene).unwrap_or_default().to_owned(),
+        hint: tr("How far the implant yields under the tissue: gel that is form-stable, cohesive or soft, saline, or rigid.")
+            .to_owned(),
+        range: String::new(),
+        values: Values::Words {
+            choices: fill::CHOICES.map(|(word, ..)| word).to_vec(),
+            words: fill::CHOICES.map(|(_, _, name, _)| tr(name)).to_vec(),
         },
     }
 }
@@ -191,6 +210,15 @@ pub(crate) fn set(
         let is_anatomical = is_anatomical
             .ok_or_else(|| tr!("Implant: allowed: {words}", words = words.join(", ")))?;
         shape::set_anatomical(scene, choices, is_anatomical == 1);
+        return Ok(());
+    }
+    if name == FILL && has_shape(choices) {
+        let choices = fill::CHOICES;
+        let found = choices.into_iter().find(|(word, ..)| *word == text.trim());
+        let (_, fill, ..) = found.ok_or_else(|| {
+            tr!("Filled with: allowed: {words}", words = choices.map(|(word, ..)| word).join(", "))
+        })?;
+        scene.implant.fill = fill;
         return Ok(());
     }
     if name == CHEST && scene.is_layered() {
@@ -273,7 +301,7 @@ impl Number {
 #[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
 mod tests {
     use super::*;
-    use crate::scene::ChestShape;
+    use crate::scene::{ChestShape, Fill};
 
     /// The scene after fields of the opening plan were set.
     fn after(fields: &[(&str, &str)]) -> Scene {
@@ -315,6 +343,8 @@ mod tests {
             after(&[("shape", "anatomical"), ("apex_lower_cm", "2"), ("height_cm", "13,5")]);
         assert_eq!(shaped.implant.base_height_mm, Some(135.0));
         assert_eq!((shaped.implant.apex_shift_mm, shaped.pocket_radius_mm), (20.0, 77.5));
+        assert_eq!(after(&[("fill", "soft")]).implant.fill, Some(Fill::Soft));
+        assert_eq!(after(&[("fill", "rigid")]).implant.fill, None);
         let round = after(&[("shape", "anatomical"), ("shape", "round")]);
         assert!(round.implant.is_round());
         let chest =
@@ -328,7 +358,7 @@ mod tests {
         let (mut scene, mut choices) = (Scene::opening(), Choices::default());
         let plain = Row::PLAIN.map(name_of).join(", ");
         let no_field = format!(
-            "the plan has no field of this name; allowed: shape, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
+            "the plan has no field of this name; allowed: shape, fill, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
              chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks"
         );
         for (name, text, words) in [
@@ -338,6 +368,7 @@ mod tests {
             ("pinch_cm", "", "Pinch: enter a number"),
             ("skin", "soft", "Skin feels: allowed: tight, normal, lax, very lax"),
             ("shape", "square", "Implant: allowed: round, anatomical"),
+            ("fill", "hard", "Filled with: allowed: form_stable, cohesive, soft, saline, rigid"),
             ("chest", "square", "Chest: allowed: flat, usual, round"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             ("height", "3", &no_field),
@@ -377,7 +408,8 @@ mod tests {
         let (mut scene, mut choices) = (Scene::opening(), Choices::default());
         choices.device = Device::Expander;
         let names: Vec<&str> = fields(&scene, &choices).iter().map(|field| field.name).collect();
-        assert!(!names.contains(&"projection_cm") && !names.contains(&SHAPE), "{names:?}");
+        let without = ["projection_cm", SHAPE, FILL];
+        assert!(without.iter().all(|name| !names.contains(name)), "{names:?}");
         assert!(set(&mut scene, &mut choices, "projection_cm", "4").is_err());
     }
 }

@@ -97,6 +97,8 @@ fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
         if chip(ui, hand, choices.device == device && is_shape, tr(name), tr(tooltip)) {
             if choices.device != device {
                 choices.follows = Dimension::Projection;
+                // The shell of an expander is taut.
+                scene.implant.fill = scene.implant.fill.filter(|_| device == Device::Implant);
             }
             (choices.device, choices.last) = (device, None);
             shape::set_anatomical(scene, choices, becomes_anatomical);

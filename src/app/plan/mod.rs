@@ -1,7 +1,7 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `chest` (its curvature) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `plain` (numbers shown by their rows alone) | `position`
+//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `plain` (numbers shown by their rows alone) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`) | `when` (the skin at rest, and the time after the operation).
 
@@ -11,6 +11,7 @@ mod date;
 pub(crate) mod device;
 pub(crate) mod fat;
 mod field;
+mod fill;
 mod form;
 mod implant;
 mod insertion;
@@ -28,6 +29,7 @@ pub(crate) mod volumes;
 pub(crate) mod when;
 
 pub(super) use chest::chest_in_words;
+pub(super) use fill::fill_in_words;
 pub(super) use form::{fields, set};
 pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
@@ -76,6 +78,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let size = [
         Some((tr("Width"), centimetres(width))),
         (!implant.is_round()).then(|| (tr("Shape"), shape_in_words(scene))),
+        (device == Device::Implant).then(|| (tr("Filled with"), fill_in_words(scene))),
         size.map(|size| (volume, format!("{:.0} ml", size.volume_ml()))),
         Some((tr("Projection"), centimetres(implant.projection_mm))),
         size.map(|size| (tr("Profile"), tr(size.profile_in_words()).to_owned())),
