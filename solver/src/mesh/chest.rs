@@ -7,7 +7,8 @@
 //! A place on the wall is given in geodesic polar coordinates about the pocket's centre: the lengths of a tape measure.
 
 use super::HeightGrid;
-use super::height_field::HeightField;
+use super::geodesics::{Fan, Way};
+use super::height_field::{Ground, HeightField};
 use crate::number::Real;
 use glam::{DVec2, DVec3};
 
@@ -60,8 +61,20 @@ impl Chest {
             Self::Curved { across_mm, along_mm } => STEP * across_mm.abs().min(along_mm.abs()),
             Self::Grid(grid) => grid.spacing(),
         };
-        let foot = self.foot(place, longest);
-        (foot.extend(self.height(foot)), self.slope(foot).extend(-1.0).normalize() * -1.0)
+        self.over(self.foot(place, longest))
+    }
+
+    /// The point of the wall over a position of the plane \[mm\], and the unit normal outwards.
+    pub(super) fn over(&self, foot: DVec2) -> (DVec3, DVec3) {
+        let Ground { height, slope } = self.heights::<f64>().at(foot.to_array());
+        (foot.extend(height), DVec2::from(slope).extend(-1.0).normalize() * -1.0)
+    }
+
+    /// Geodesics up to a length \[mm\] for the many places of a grid; `None` for walls whose geodesics are short work.
+    pub(super) fn fan(&self, reach_mm: f64) -> Option<Fan> {
+        let Self::Grid(grid) = self else { return None };
+        // Steps pass over the knots of the heights.
+        Some(Fan::new(&self.heights(), 0.5 * grid.spacing(), reach_mm))
     }
 
     /// Is the wall its own image mirrored along x, along y?
@@ -82,16 +95,11 @@ impl Chest {
         let wall = self.heights::<f64>();
         let steps = (length / longest_step).ceil().max(1.0);
         let step = length / steps;
-        let (mut at, mut direction) = (DVec2::ZERO, place / length);
+        let mut way = Way::new(place / length);
         for _ in 0..steps as usize {
-            let (v1, a1) = (direction, turn(&wall, at, direction));
-            let (v2, a2) = ahead(&wall, (at, direction), (v1, a1), 0.5 * step);
-            let (v3, a3) = ahead(&wall, (at, direction), (v2, a2), 0.5 * step);
-            let (v4, a4) = ahead(&wall, (at, direction), (v3, a3), step);
-            at += (v1 + 2.0 * (v2 + v3) + v4) * (step / 6.0);
-            direction += (a1 + 2.0 * (a2 + a3) + a4) * (step / 6.0);
+            way = way.after(&wall, step);
         }
-        at
+        way.at
     }
 
     /// w \[mm\] over a position of the plane.
@@ -150,25 +158,6 @@ impl Chest {
 fn circle(length: f64, radius: f64) -> [f64; 4] {
     let (sin, cos) = (length / radius).sin_cos();
     [radius * sin, radius * (cos - 1.0), sin, cos]
-}
-
-/// Rates of position and direction of a geodesic a step ahead.
-fn ahead(
-    wall: &HeightField<f64>,
-    (at, direction): (DVec2, DVec2),
-    (velocity, rate): (DVec2, DVec2),
-    step: f64,
-) -> (DVec2, DVec2) {
-    let ahead = direction + rate * step;
-    (ahead, turn(wall, at + velocity * step, ahead))
-}
-
-/// Second derivative of a geodesic's position over the plane by its length: −∇w (∇∇w : v v)/(1 + |∇w|²).
-fn turn(wall: &HeightField<f64>, at: DVec2, v: DVec2) -> DVec2 {
-    let (ground, [xx, xy, yy]) = wall.bent(at.to_array());
-    let slope = DVec2::from(ground.slope);
-    let bend = xx * v.x * v.x + 2.0 * xy * v.x * v.y + yy * v.y * v.y;
-    slope * (-bend / (1.0 + slope.length_squared()))
 }
 
 #[cfg(test)]
@@ -261,6 +250,37 @@ mod tests {
         assert_eq!(chest.mirrored(), [true; 2]);
         let hollow_beside = grid(|at| 0.001 * at.x * at.x * at.x);
         assert_eq!(hollow_beside.mirrored(), [false, true]);
+    }
+
+    /// Against a geodesic to each place in short steps: a wall of two radii, with waves of 60 mm and a mound 20 mm wide, its mirror image, and a slope.
+    #[test]
+    fn a_fan_has_the_geodesics_of_its_places() {
+        let smooth = Chest::Curved { across_mm: 130.0, along_mm: 420.0 };
+        let bumpy = |at: DVec2| {
+            let mound = 6.0 * (-(at - DVec2::new(50.0, -30.0)).length_squared() / 800.0).exp();
+            smooth.height(at) + mound + 2.0 * (0.1 * at.x).sin() * (0.08 * at.y).cos()
+        };
+        let places = || (0..400).map(f64::from).map(|k| DVec2::from_angle(0.7 * k) * (0.25 * k));
+        let error = |chest: &Chest| {
+            let fan = chest.fan(100.0).unwrap();
+            let exact = |place: DVec2| chest.foot(place, 0.1);
+            places().map(|place| fan.foot(place).distance(exact(place))).fold(0.0, f64::max)
+        };
+        for (chest, most) in [
+            (grid(bumpy), 5e-3),
+            (grid(|at| smooth.height(at)), 5e-5),
+            (grid(|at| 5.0 + 0.2 * at.x), 1e-9),
+        ] {
+            let error = error(&chest);
+            assert!(error < most, "{error:e}");
+        }
+        let mirror = |v: DVec2| DVec2::new(-v.x, v.y);
+        let image = grid(|at| bumpy(mirror(at))).fan(100.0).unwrap();
+        let fan = grid(bumpy).fan(100.0).unwrap();
+        for place in places() {
+            assert!(fan.foot(place).distance(mirror(image.foot(mirror(place)))) < 1e-9);
+        }
+        assert!(smooth.fan(100.0).is_none());
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::{
     Chest, Grown, NaturalStretch, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side,
 };
 use glam::{DMat2, DVec2, DVec3};
+use std::cell::LazyCell;
 use std::sync::Arc;
 
 /// The greatest number of nodes in a column.
@@ -142,6 +143,8 @@ impl Rest {
             return self;
         }
         let (places, kinds) = (self.sheet.rest(), self.sheet.kinds());
+        // Without use where all columns are known.
+        let fan = LazyCell::new(|| self.chest.fan(self.sheet.radius_mm()));
         let column = |(node, &place): (usize, &DVec2)| {
             // Nodes outside of the patch may lie beyond the wall.
             let within = place.clamp_length_max(self.sheet.radius_mm());
@@ -149,7 +152,10 @@ impl Rest {
                 return (within.extend(self.chest.height(within)), DVec3::Z);
             }
             known(node, place).unwrap_or_else(|| {
-                let (foot, normal) = self.chest.foot_and_normal(within);
+                let (foot, normal) = match &*fan {
+                    Some(fan) => self.chest.over(fan.foot(within)),
+                    None => self.chest.foot_and_normal(within),
+                };
                 let factor = self.thickness.as_ref().map(|field| field.factor(within));
                 (foot, factor.map_or(normal, |factor| normal * factor))
             })
