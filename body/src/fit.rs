@@ -104,6 +104,29 @@ pub fn fit(
     side: Side,
     settings: &Settings,
 ) -> Result<BodyFit, FitError> {
+    fitted(surface, marks, side, settings, true)
+}
+
+/// As [`fit`], of a body that is no scan: figures beyond their limits are no error.
+///
+/// # Errors
+/// Marks in a wrong order, a surface without skin or data there.
+pub fn fit_known(
+    surface: &Surface,
+    marks: &Marks,
+    side: Side,
+    settings: &Settings,
+) -> Result<BodyFit, FitError> {
+    fitted(surface, marks, side, settings, false)
+}
+
+fn fitted(
+    surface: &Surface,
+    marks: &Marks,
+    side: Side,
+    settings: &Settings,
+    has_limits: bool,
+) -> Result<BodyFit, FitError> {
     marks.check(side)?;
     let axes = marks.axes()?;
     let center = marks.implant_centre(side, settings.base_radius_mm)?;
@@ -126,6 +149,9 @@ pub fn fit(
     let (field, quadric) = subject.chest(&frame)?;
     let fields = Fields::new(&field, &quadric, settings.cover_mm);
     let quality = subject.quality(&frame, &field, &quadric, &fields)?;
+    if let Some(line) = quality.error().filter(|_| has_limits) {
+        return Err(FitError::Limit(line));
+    }
     // The smoothed residual tilts the wall by up to some degrees: at last z is the wall's own normal.
     let slope = grid.slope(&fields.wall_mm, grid.len() / 2);
     frame = turned(&frame, (-slope).extend(1.0))?;
@@ -214,10 +240,7 @@ impl Subject<'_> {
         quality.yaw_degrees = z.dot(across).atan2(z.dot(front)).to_degrees();
         quality.pitch_degrees = z.dot(head).asin().to_degrees();
         quality.is_turned = self.orientation < 0.0;
-        match quality.error() {
-            Some(line) => Err(FitError::Limit(line)),
-            None => Ok(quality),
-        }
+        Ok(quality)
     }
 }
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 use implant_preview_solver::mesh::{Chest, HeightGrid, ThicknessField};
 use std::f64::consts::SQRT_2;
 
-/// Least thickness of the tissue \[mm\].
+/// Least thickness of the tissue over a cover of as much or more \[mm\]; a thinner cover is its own least thickness.
 const LEAST_MM: f64 = 6.0;
 /// Greatest slope of the wall \[-\].
 const MOST_SLOPE: f64 = 1.7;
@@ -73,8 +73,8 @@ pub(crate) fn fill_holes(grid: Grid, heights: &mut [f64]) -> usize {
 
 /// Skin and wall \[mm\] over the whole grid.
 ///
-/// The wall lies a cover below the bare chest and at least 6 mm below the skin; it falls by 60° at most, goes on so where the scan ends,
-/// and its distance from the quadric is smoothed by a Gaussian mean of 8 mm; hollows below 6 times the tissue are filled. The skin is raised to 6 mm above the wall where
+/// The wall lies a cover below the bare chest and at least 6 mm, or a thinner cover, below the skin; it falls by 60° at most, goes on so where the scan ends,
+/// and its distance from the quadric is smoothed by a Gaussian mean of 8 mm; hollows below 6 times the tissue are filled. The skin is raised to this least thickness above the wall where
 /// it is steeper, and its distance from the wall is harmonic where the scan ends.
 pub(crate) fn skin_and_wall(
     grid: Grid,
@@ -84,12 +84,13 @@ pub(crate) fn skin_and_wall(
     cover_mm: f64,
 ) -> (Vec<f64>, Vec<f64>) {
     let steepness = |slope: DVec2| (1.0 + slope.length_squared()).sqrt().min(MOST_STEEPNESS);
+    let least_mm = LEAST_MM.min(cover_mm);
     let mut wall: Vec<f64> = (0..grid.len())
         .map(|node| {
             if heights[node].is_nan() {
                 return f64::NEG_INFINITY;
             }
-            let skin = heights[node] - LEAST_MM * steepness(grid.slope(heights, node));
+            let skin = heights[node] - least_mm * steepness(grid.slope(heights, node));
             skin.min(bare[node] - cover_mm)
         })
         .collect();
@@ -106,7 +107,7 @@ pub(crate) fn skin_and_wall(
         .map(|node| {
             let depth = heights[node] - wall[node];
             let depth = if depth.is_nan() { cover_mm } else { depth };
-            (depth / steepness(grid.slope(&wall, node))).max(LEAST_MM)
+            (depth / steepness(grid.slope(&wall, node))).max(least_mm)
         })
         .collect();
     fill_hollows(grid, &mut wall, &tissue);
@@ -114,7 +115,7 @@ pub(crate) fn skin_and_wall(
     let is_open: Vec<bool> = heights.iter().map(|height| height.is_nan()).collect();
     let mut depth: Vec<f64> = (0..grid.len())
         .map(|node| {
-            let least = LEAST_MM * steepness(grid.slope(&wall, node));
+            let least = least_mm * steepness(grid.slope(&wall, node));
             (heights[node] - wall[node]).max(least)
         })
         .collect();

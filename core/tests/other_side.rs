@@ -11,11 +11,13 @@ use implant_preview_core::body::read::Unit;
 use implant_preview_core::body::surface::Surface;
 use implant_preview_core::body::torso::{Torso, builtin};
 use implant_preview_core::clinical::{Measurements, SkinClass};
+use implant_preview_core::measure::Fields;
 use implant_preview_core::scene::{CheckedScene, Document, Scene, Side};
 use implant_preview_core::session::{Command, Session};
 use implant_preview_core::simulate::run;
 use implant_preview_core::solve::{Options, Progress};
 use serde_json::{Value, json};
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// The opening plan on a small grid, with plans of their own: 225 ml on the left, less on the right.
@@ -166,6 +168,36 @@ fn each_side_is_solved_once_and_keeps_its_shape_when_the_sides_are_exchanged() {
     // One plan for both sides again.
     edit(&mut session, 7, |scene| scene.set_side(Some(Side::Both)));
     assert!(session.other_side().is_none() && !session.is_working());
+}
+
+/// The shape of a pin's other side is that of the plan it was made of; of a file's pin it is solved once.
+#[test]
+fn a_pin_has_the_shapes_of_both_sides() {
+    let mut session = Session::new(scene()).unwrap();
+    solve(&mut session);
+    session.apply(Command::Pin).unwrap();
+    let solves = session.counters().solves;
+    let other = session.other_side().unwrap().fields().unwrap();
+    assert!(Rc::ptr_eq(session.pins()[0].other_fields().unwrap(), other));
+    edit(&mut session, 1, |scene| scene.other_side.as_mut().unwrap().pocket_radius_mm += 3.0);
+    solve(&mut session);
+    assert_eq!(session.counters().solves, solves + 1);
+    let pinned = Rc::clone(session.pins()[0].other_fields().unwrap());
+    let now = session.other_side().unwrap().fields().unwrap();
+    assert!(!Rc::ptr_eq(&pinned, now));
+    // Opened again, the pin gives both shapes back; alone in a file it is solved for both sides.
+    let pins = session.pinned_scenes();
+    let mut alone = Session::new(Scene::opening()).unwrap();
+    alone.set_pins(pins).unwrap();
+    let before = alone.counters().solves;
+    solve(&mut alone);
+    assert_eq!(alone.counters().solves, before + 2);
+    let height = |fields: &Rc<Fields>| {
+        let inner = fields.solution().inner().iter().map(|p| p.z);
+        inner.fold(0.0, f64::max)
+    };
+    let found = height(alone.pins()[0].other_fields().unwrap());
+    assert!((found - height(&pinned)).abs() < 1e-9, "{found}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The chest of the plan: its list, its radii, the report and the comparison.
 
 use super::*;
-use implant_preview::scene::ChestShape;
+use implant_preview::scene::{ChestShape, Torso};
 
 /// The flat plan on the coarsest grid.
 fn flat(scene: &mut Scene) {
@@ -50,6 +50,34 @@ fn a_chest_is_chosen_from_a_list_or_by_its_radii() {
     harness.get_by_role_and_label(Role::Button, "Undo").click();
     settle(&mut harness);
     assert_eq!(chest(&harness).unwrap().radius_along_mm, Some(600.0));
+}
+
+#[test]
+fn a_torso_is_the_chest_shaped_by_its_numbers() {
+    let mut harness = app(DESKTOP, flat);
+    let torso = |harness: &Harness<'static, App>| harness.state().session().scene().torso;
+    assert!(harness.query_by_label("Breast volume (ml)").is_none());
+    choose(&mut harness, "torso by a tape…");
+    assert_eq!(torso(&harness), Some(Torso::default()));
+    let force = |harness: &Harness<'static, App>| {
+        harness.state().session().result().unwrap().contact_force_n.unwrap()
+    };
+    let before = force(&harness);
+    type_into(&mut harness, "Breast volume (ml)", "250");
+    type_into(&mut harness, "Notch to nipple (cm)", "20,5");
+    settle(&mut harness);
+    let now = torso(&harness).unwrap();
+    assert_eq!((now.breast_volume_ml, now.notch_nipple_mm), (250.0, 205.0));
+    assert!((force(&harness) - before).abs() > 1e-3 * before);
+    // No such breast: the torso says what it has.
+    type_into(&mut harness, "Breast volume (ml)", "500");
+    type_into(&mut harness, "Notch to nipple (cm)", "17");
+    settle(&mut harness);
+    assert!(text_with(&harness, "The nearest torso has: ").is_some());
+    choose(&mut harness, "usual chest");
+    assert_eq!(torso(&harness), None);
+    let chest = harness.state().session().scene().chest;
+    assert_eq!(chest, Some(ChestShape::USUAL));
 }
 
 #[test]

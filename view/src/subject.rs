@@ -130,6 +130,10 @@ impl Subject for PinnedShape<'_> {
         self.fields
     }
 
+    fn other_side(&self) -> Option<Option<&Rc<Fields>>> {
+        self.scene().other_side.is_some().then(|| self.pin.other_fields())
+    }
+
     fn revision(&self) -> u64 {
         self.pin.number()
     }

@@ -1,7 +1,7 @@
 //! A body around the tissue, drawn with the computed skin: her own surface, or the built-in torso, which is no patient's shape. No part of
 //! the model.
 //!
-//! The built-in torso's bare chest lies under the plan's wall at the pocket's centre. Each of its vertices within the patch moves as the computed skin
+//! The built-in torso of a plan with another chest has its bare chest under the plan's wall at the pocket's centre, and each of its vertices within the patch moves as the computed skin
 //! over the same place of the plane; the other side is the mirror image, or has a plan of its own. Each vertex of a fitted surface moves with the columns at its own
 //! depth, as in [`implant_preview_core::body::deform`].
 
@@ -11,23 +11,18 @@ use crate::mesh::{Mesh, NO_VALUE, Vertex, vertex};
 use crate::pick;
 use glam::{DMat3, DVec3, Vec3};
 use implant_preview_core::body::deform::{Columns, Moves, Weights};
-use implant_preview_core::body::fit::{Settings, fit};
+use implant_preview_core::body::fit::{BodyFit, Settings};
 use implant_preview_core::body::frame::Frame;
 use implant_preview_core::body::grid::smooth_step;
-use implant_preview_core::body::marks::{Marks, Side};
+use implant_preview_core::body::marks::Marks;
 use implant_preview_core::body::surface::Surface;
-use implant_preview_core::body::torso::{self, Tape};
+use implant_preview_core::body::torso;
 use implant_preview_core::measure::{Field, Fields};
 use implant_preview_core::mesh::Rest;
+use implant_preview_core::scene::{self, FittedTorso};
 use implant_preview_core::solve::Problem;
 use std::sync::Arc;
 
-/// Volume of the drawn breast of the built-in torso before the operation \[ml\]: the tissue over the implant is that of the plan.
-const VOLUME_ML: f64 = 130.0;
-/// From the notch to the nipple of that breast on the trunk as it is stored \[mm\].
-const NOTCH_NIPPLE_MM: f64 = 197.1;
-/// Between the nipples \[mm\]: the mean of 54 young women is 203 mm, the stored trunk has 226 mm.
-const NIPPLE_NIPPLE_MM: f64 = 206.0;
 /// Distance from the fitted skin within which a vertex is skin of the breast's side, not of flank or arm, and its end \[mm\].
 const NEAR_MM: [f64; 2] = [15.0, 30.0];
 /// The second coordinate on the net of a vertex without net, less the part of the colour of a quantity in its colour, 0 to 1; the first
@@ -40,6 +35,9 @@ const FADE_MM: f64 = 25.0;
 /// Share of a column's height between which the colour of the skin comes to show \[-\]: where the body leaves the fitted skin, at the flank, a narrower range
 /// would be ragged from vertex to vertex.
 const SKIN_SHARE: [f64; 2] = [0.6, 0.9];
+/// The share of a vertex beyond the patch; means over neighbours that even the shares.
+const UNKNOWN: f32 = -1.0;
+const EVENINGS: usize = 4;
 /// The part of the built-in torso's extent that a camera shows \[-\].
 const SHOWN: f32 = 0.52;
 /// The radius that a camera shows over the distance from notch to navel \[-\]: that of the built-in torso.
@@ -50,10 +48,14 @@ const SHOWN_OF_TRUNK: f32 = 0.78;
 pub struct Torso {
     /// The body before.
     before: Arc<Mesh>,
+    /// Its normals before they are softened.
+    normals: Vec<Vec3>,
     /// Vertices that may move.
     points: Vec<Point>,
     /// Does each point move with the skin over its place, whatever its depth?
     is_skin: bool,
+    /// Are both sides alike, so that one plan moves both?
+    is_alike: bool,
     /// From the coordinates of each side's frame to those of the picture.
     turns: Vec<DMat3>,
     /// From the coordinates of the surface to those of the picture.
@@ -87,9 +89,15 @@ pub struct Attached {
     of_side: Option<usize>,
     /// Vertices that move.
     moved: Vec<Moved>,
-    /// Vertices whose normals change, and the triangles around them.
-    turned: Vec<u32>,
-    around: Vec<[u32; 3]>,
+    turned: Around,
+    softened: Around,
+}
+
+/// Vertices whose normals, or softened normals, change, and the triangles around them.
+#[derive(Debug)]
+struct Around {
+    vertices: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
 }
 
 /// A vertex that moves.
@@ -105,46 +113,48 @@ struct Moved {
 }
 
 impl Torso {
-    /// The built-in torso; `None` if no chest is found under its breast, which no built-in torso has.
+    /// The built-in torso of a plan that has another chest, moved with the skin over each place; `None` if no chest is found under its
+    /// breast, which no built-in torso has.
     #[must_use]
     pub fn new() -> Option<Self> {
-        let tape = Tape {
-            breast_volume_ml: VOLUME_ML,
-            notch_nipple_mm: NOTCH_NIPPLE_MM,
-            nipple_nipple_mm: NIPPLE_NIPPLE_MM,
-            ..Tape::OWN
-        };
-        let (body, _) = torso::shaped(&tape).ok()?;
-        let settings = Settings::default();
-        let own = fit(&body.surface, &body.marks, Side::Left, &settings).ok()?;
-        let frame = upright(&own.frame, DVec3::Y);
-        let nipples = Some(&body.marks.nipples);
-        let mut torso = Self::of_surface(&body.surface, frame, DVec3::Z, nipples);
-        // Both halves are mirror images.
-        let hands = [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0)];
-        for (side, hand) in hands.into_iter().enumerate() {
-            let reach = settings.patch_radius_mm;
-            let of = |(k, at): (usize, &DVec3)| {
-                let place = own.frame.local(*at * hand);
-                let over = place.truncate();
-                let apart = (place.z - own.grid.value(&own.skin_mm, over)).abs();
-                let share = smooth_step((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0]));
-                let is_within = over.length() < reach && share > 0.0;
-                is_within.then_some(Point {
-                    vertex: k as u32,
-                    side,
-                    place,
-                    share,
-                    is_nearest: true,
-                })
-            };
-            torso.points.extend(body.surface.positions.iter().enumerate().filter_map(of));
-            let turn = DMat3::from_diagonal(hand) * own.frame.axes;
-            torso.turns.push(frame.axes.transpose() * turn);
-        }
+        let fitted = scene::Torso::default().fitted(Settings::default().cover_mm).ok()?;
+        let mut torso = Self::of_torso(&fitted);
         torso.is_skin = true;
+        let BodyFit { grid, skin_mm, .. } = &fitted.fit;
+        for point in &mut torso.points {
+            let over = point.place.truncate();
+            let apart = (point.place.z - grid.value(skin_mm, over)).abs();
+            point.share = smooth_step((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0]));
+        }
+        let reach = Settings::default().patch_radius_mm;
+        let is_near = |point: &Point| point.place.truncate().length() < reach && point.share > 0.0;
+        torso.points.retain(is_near);
         torso.find_nearest();
         Some(torso)
+    }
+
+    /// The built-in torso as a plan has it for its chest: both halves are mirror images, and each vertex moves with the column at its depth.
+    #[must_use]
+    pub fn of_torso(fitted: &FittedTorso) -> Self {
+        let torso::Torso { surface, marks } = &fitted.shaped.torso;
+        let own = &fitted.fit.frame;
+        let frame = upright(own, DVec3::Y);
+        let mut torso = Self::of_surface(surface, frame, DVec3::Z, Some(&marks.nipples));
+        let hands = [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0)];
+        for (side, hand) in hands.into_iter().enumerate() {
+            let of = |(k, at): (usize, &DVec3)| Point {
+                vertex: k as u32,
+                side,
+                place: own.local(*at * hand),
+                share: 1.0,
+                is_nearest: true,
+            };
+            torso.points.extend(surface.positions.iter().enumerate().map(of));
+            torso.turns.push(frame.axes.transpose() * DMat3::from_diagonal(hand) * own.axes);
+        }
+        torso.is_alike = true;
+        torso.find_nearest();
+        torso
     }
 
     /// A surface with its fitted frame, that of the other side where it has a plan of its own, and its marks.
@@ -200,7 +210,10 @@ impl Torso {
             vertex(frame.local(*at).as_vec3(), Vec3::Z, grid, NO_VALUE, color(k))
         };
         let mut rest: Vec<Vertex> = surface.positions.iter().enumerate().map(of).collect();
-        set_normals(&mut rest, indices.as_chunks::<3>().0, 0..surface.positions.len());
+        let triangles = indices.as_chunks::<3>().0;
+        let mut normals = vec![Vec3::Z; rest.len()];
+        turn(&mut normals, &rest, triangles, 0..rest.len());
+        soften(&mut rest, &normals, triangles, 0..normals.len());
         let (least, most) = indices
             .iter()
             .map(|k| position(&rest[*k as usize]))
@@ -208,8 +221,10 @@ impl Torso {
         let front = frame.axes.transpose() * front;
         Self {
             before: Arc::new(Mesh { vertices: rest, indices: Arc::new(indices) }),
+            normals,
             points: Vec::new(),
             is_skin: false,
+            is_alike: false,
             turns: Vec::new(),
             frame,
             middle: 0.5 * (least + most),
@@ -254,40 +269,74 @@ impl Torso {
     }
 
     /// How the body moves with the tissue of a problem: that of a side (0: the plan's, 1: the other one), or of the plan alone, whose mirror image moves the
-    /// other side of the built-in torso.
+    /// other side of a built-in torso.
     #[must_use]
     pub fn attached(&self, problem: &Problem, of_side: Option<usize>) -> Attached {
-        let only = if self.is_skin { of_side } else { of_side.or(Some(0)) };
+        let only = if self.is_alike { of_side } else { of_side.or(Some(0)) };
         let columns = Columns::new(problem);
         let border = problem.sheet().radius_mm();
-        let of = |point: &Point| {
-            let Point { vertex, side, place, share, is_nearest } = *point;
-            let over = place.truncate();
-            let weights = match self.is_skin {
-                true => columns.over(over),
-                false => columns.weights(place),
-            }?;
-            let [low, high] = SKIN_SHARE;
-            let on_skin = smooth_step((weights.share() - low) / (high - low));
-            // Along a curved wall the patch ends before its radius over the plane.
-            let near_border = weights.fade() * smooth_step((border - over.length()) / FADE_MM);
-            let is_coloured = is_nearest || only == Some(0) && of_side.is_none();
-            let part = if is_coloured { share * on_skin * near_border } else { 0.0 };
-            Some(Moved { vertex, side, weights, share, part: part as f32 })
-        };
         let own = self.points.iter().filter(|point| only.is_none_or(|side| point.side == side));
-        let moved: Vec<Moved> = own.filter_map(of).collect();
-        let mut is_turned = vec![false; self.before.vertices.len()];
-        moved.iter().for_each(|moved| is_turned[moved.vertex as usize] = true);
-        let touches = |triangle: &&[u32; 3], is: &[bool]| triangle.iter().any(|k| is[*k as usize]);
+        let weights = |point: &Point| match self.is_skin {
+            true => columns.over(point.place.truncate()),
+            false => columns.weights(point.place),
+        };
+        let found: Vec<(&Point, Option<Weights>)> =
+            own.map(|point| (point, weights(point))).collect();
+        let [low, high] = SKIN_SHARE;
+        let mut on_skin = vec![UNKNOWN; self.before.vertices.len()];
+        for (point, weights) in &found {
+            if point.place.truncate().length() < border {
+                let share = weights.as_ref().map_or(0.0, Weights::share);
+                let of = &mut on_skin[point.vertex as usize];
+                *of = of.max(smooth_step((share - low) / (high - low)) as f32);
+            }
+        }
+        self.even(&mut on_skin);
+        let of = |(point, weights): (&Point, Option<Weights>)| {
+            let Point { vertex, side, place, share, is_nearest } = *point;
+            let weights = weights?;
+            // Along a curved wall the patch ends before its radius over the plane.
+            let from_border = border - place.truncate().length();
+            let near_border = weights.fade() * smooth_step(from_border / FADE_MM);
+            let is_coloured = is_nearest || only == Some(0) && of_side.is_none();
+            let part = if is_coloured { (share * near_border) as f32 } else { 0.0 };
+            let part = part * on_skin[vertex as usize].max(0.0);
+            Some(Moved { vertex, side, weights, share, part })
+        };
+        let moved: Vec<Moved> = found.into_iter().filter_map(of).collect();
+        let mut is_reached = vec![false; self.before.vertices.len()];
+        moved.iter().for_each(|moved| is_reached[moved.vertex as usize] = true);
+        let [turned, softened] = [(); 2].map(|()| self.around(&mut is_reached));
+        Attached { rest: problem.rest.clone(), of_side, moved, turned, softened }
+    }
+
+    /// Gives each known value the mean of those around it, some times: the colour ends at no edge of triangles.
+    fn even(&self, values: &mut Vec<f32>) {
+        for _ in 0..EVENINGS {
+            let mut sums = vec![(0.0, 0.0); values.len()];
+            for triangle in self.before.indices.as_chunks::<3>().0 {
+                let known = || triangle.iter().filter(|k| values[**k as usize] > UNKNOWN);
+                let sum: f32 = known().map(|k| values[*k as usize]).sum();
+                for k in known() {
+                    let (of, count) = &mut sums[*k as usize];
+                    (*of, *count) = (*of + sum, *count + known().count() as f32);
+                }
+            }
+            let mean = |(sum, count): (f32, f32)| if count > 0.0 { sum / count } else { UNKNOWN };
+            *values = sums.into_iter().map(mean).collect();
+        }
+    }
+
+    /// The vertices of all triangles with a reached vertex, which are reached from now on.
+    fn around(&self, is_reached: &mut [bool]) -> Around {
         let triangles = self.before.indices.as_chunks::<3>().0;
+        let touches = |triangle: &&[u32; 3], is: &[bool]| triangle.iter().any(|k| is[*k as usize]);
         let beside: Vec<u32> =
-            triangles.iter().filter(|t| touches(t, &is_turned)).flatten().copied().collect();
-        beside.iter().for_each(|k| is_turned[*k as usize] = true);
-        let around = triangles.iter().filter(|t| touches(t, &is_turned)).copied().collect();
-        let turned =
-            (0..self.before.vertices.len() as u32).filter(|k| is_turned[*k as usize]).collect();
-        Attached { rest: problem.rest.clone(), of_side, moved, turned, around }
+            triangles.iter().filter(|t| touches(t, is_reached)).flatten().copied().collect();
+        beside.iter().for_each(|k| is_reached[*k as usize] = true);
+        let triangles = triangles.iter().filter(|t| touches(t, is_reached)).copied().collect();
+        let all = 0..self.before.vertices.len() as u32;
+        Around { vertices: all.filter(|k| is_reached[*k as usize]).collect(), triangles }
     }
 
     /// The body before.
@@ -307,9 +356,14 @@ impl Torso {
         for shape in shapes {
             self.move_with(shape, field, vertices);
         }
-        for Shape { attached, .. } in shapes {
-            let turned = attached.turned.iter().map(|k| *k as usize);
-            set_normals(vertices, &attached.around, turned);
+        let mut normals = self.normals.clone();
+        for Shape { attached: Attached { turned, .. }, .. } in shapes {
+            let of = turned.vertices.iter().map(|k| *k as usize);
+            turn(&mut normals, vertices, &turned.triangles, of);
+        }
+        for Shape { attached: Attached { softened, .. }, .. } in shapes {
+            let of = softened.vertices.iter().map(|k| *k as usize);
+            soften(vertices, &normals, &softened.triangles, of);
         }
         Mesh { vertices: room, indices: Arc::clone(&self.before.indices) }
     }
@@ -367,16 +421,37 @@ fn position(vertex: &Vertex) -> Vec3 {
     Vec3::new(vertex[0], vertex[1], vertex[2])
 }
 
-/// Sets the area-weighted normals of vertices from the triangles around them.
-fn set_normals(vertices: &mut [Vertex], triangles: &[[u32; 3]], of: impl Iterator<Item = usize>) {
+/// Sets the area-weighted unit normals of vertices from the triangles around them.
+fn turn(
+    normals: &mut [Vec3],
+    vertices: &[Vertex],
+    triangles: &[[u32; 3]],
+    of: impl Iterator<Item = usize>,
+) {
     let mut sums = vec![Vec3::ZERO; vertices.len()];
     for triangle in triangles {
         let [a, b, c] = triangle.map(|k| position(&vertices[k as usize]));
         let normal = (b - a).cross(c - a);
         triangle.iter().for_each(|k| sums[*k as usize] += normal);
     }
+    of.for_each(|k| normals[k] = sums[k].normalize_or(Vec3::Z));
+}
+
+/// Gives vertices the mean of the normals of the triangles around them: in the crease under a breast, where triangles are as long as the crease is wide, the
+/// light would show each of them as a streak.
+fn soften(
+    vertices: &mut [Vertex],
+    normals: &[Vec3],
+    triangles: &[[u32; 3]],
+    of: impl Iterator<Item = usize>,
+) {
+    let mut sums = vec![Vec3::ZERO; vertices.len()];
+    for triangle in triangles {
+        let normal: Vec3 = triangle.iter().map(|k| normals[*k as usize]).sum();
+        triangle.iter().for_each(|k| sums[*k as usize] += normal);
+    }
     for k in of {
-        let normal = sums[k].normalize_or(Vec3::Z);
+        let normal = sums[k].normalize_or(normals[k]);
         vertices[k][3..6].copy_from_slice(&normal.to_array());
     }
 }
@@ -392,6 +467,8 @@ fn upright(frame: &Frame, head: DVec3) -> Frame {
 mod tests {
     use super::*;
     use implant_preview_core::body::deform::deform;
+    use implant_preview_core::body::fit::fit;
+    use implant_preview_core::body::marks::Side;
     use implant_preview_core::body::read::Unit;
     use implant_preview_core::scene::{CheckedScene, Scene};
     use implant_preview_core::simulate::run;
@@ -487,8 +564,10 @@ mod tests {
             // The normals are those of all triangles.
             let mesh = drawn(&torso, &full);
             let mut all = mesh.vertices.clone();
-            let count = all.len();
-            set_normals(&mut all, mesh.indices.as_chunks::<3>().0, 0..count);
+            let triangles = mesh.indices.as_chunks::<3>().0;
+            let mut normals = vec![Vec3::Z; all.len()];
+            turn(&mut normals, &all, triangles, 0..all.len());
+            soften(&mut all, &normals, triangles, 0..normals.len());
             for (own, all) in mesh.vertices.iter().zip(&all) {
                 let [own, all] = [own, all].map(|v| Vec3::new(v[3], v[4], v[5]));
                 assert!(own.distance(all) < 1e-4, "{own} {all}");
@@ -501,6 +580,37 @@ mod tests {
             assert!(found.distance(ray.origin) < 900.0, "{found}");
         }
     }
+
+    /// The torso as a plan's chest: the left side is drawn as `deform` makes it, the right one as its image in the midplane.
+    #[test]
+    fn a_torso_as_a_chest_is_drawn_as_it_is_deformed_and_mirrored() {
+        let mut scene = Scene::opening();
+        scene.set_torso(scene::Torso::default());
+        let fitted = scene.fitted_torso().unwrap().unwrap();
+        let full = solved(scene, 1.0);
+        let torso = Torso::of_torso(&fitted);
+        let surface = &fitted.shaped.torso.surface;
+        let after = deform(surface, &fitted.fit.frame, full.solution());
+        let now: Vec<DVec3> =
+            positions(&torso, &full).iter().map(|at| torso.frame.point(at.as_dvec3())).collect();
+        let key = |at: DVec3| (at * 1e3).round().to_array().map(|x| x as i64);
+        let places: std::collections::HashMap<[i64; 3], usize> =
+            surface.positions.iter().enumerate().map(|(k, at)| (key(*at), k)).collect();
+        let mut risen = 0.0_f64;
+        for (k, before) in surface.positions.iter().enumerate() {
+            // The other patch ends 6 cm beside the midline.
+            if before.x > 70.0 {
+                let apart = now[k].distance(after.positions[k]);
+                assert!(apart < 1e-3, "{before} {apart}");
+            }
+            let mirror = DVec3::new(-1.0, 1.0, 1.0);
+            let image = places[&key(*before * mirror)];
+            assert!(now[image].distance(now[k] * mirror) < 1e-3, "{before}");
+            risen = risen.max(now[k].distance(*before));
+        }
+        assert!(risen > 15.0, "{risen}");
+    }
+
     /// Plans of their own: each side moves as its plan alone, on the built-in torso and on her own body.
     #[test]
     fn each_side_moves_with_its_own_plan() {

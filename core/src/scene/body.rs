@@ -172,7 +172,8 @@ impl Scene {
     pub fn set_tissue_model(&mut self, tissue_model: TissueModel) {
         self.body.tissue_model = tissue_model;
         if tissue_model == TissueModel::Sheet {
-            (self.chest, self.chest_grid, self.thickness_field) = (None, None, None);
+            self.set_chest(None);
+            self.thickness_field = None;
             self.body.skin_state = SkinState::default();
         }
         if tissue_model == TissueModel::Layered {

@@ -28,7 +28,7 @@ const LEAST_SHIFT: f64 = 0.1;
 /// What wall and thickness, and their limits, depend on.
 fn ground(scene: &Scene) -> impl PartialEq + '_ {
     let Scene { body, pocket_radius_mm, layers, .. } = scene;
-    let grids = (&scene.chest, &scene.chest_grid, &scene.thickness_field);
+    let grids = (&scene.chest, &scene.torso, &scene.chest_grid, &scene.thickness_field);
     (body, pocket_radius_mm, layers, grids)
 }
 
@@ -52,9 +52,10 @@ impl CheckedScene {
         let (wall, thickness) = match same_ground {
             Some(earlier) => (earlier.wall.clone(), earlier.thickness.clone()),
             None => {
-                let thickness = scene.thickness()?;
-                let scanned = scene.scanned_wall(thickness.as_ref())?;
-                (scanned.unwrap_or_else(|| scene.wall()), thickness)
+                let laid = scene.laid()?;
+                let thickness = laid.thickness()?;
+                let scanned = laid.scanned_wall(thickness.as_ref())?;
+                (scanned.unwrap_or_else(|| laid.wall()), thickness)
             }
         };
         if let Some(earlier) = earlier.filter(|earlier| earlier.scene.layers == scene.layers) {

@@ -70,9 +70,9 @@ impl Scene {
         self.chest.as_ref().map_or(Chest::Flat, ChestShape::wall)
     }
 
-    /// Sets the radii of the chest, `None` for a flat one, in place of radii, a grid, or the chest and the thickness of a fitted body.
+    /// Sets the radii of the chest, `None` for a flat one, in place of radii, a torso, a grid, or the chest and the thickness of a fitted body.
     pub fn set_chest(&mut self, chest: Option<ChestShape>) {
-        (self.chest, self.chest_grid) = (chest, None);
+        (self.chest, self.torso, self.chest_grid) = (chest, None, None);
         if self.placement.take().is_some() {
             self.thickness_field = None;
         }
@@ -83,7 +83,8 @@ impl Scene {
     #[must_use]
     pub fn is_round(&self) -> bool {
         let is_centred = self.implant.center_mm.iter().all(|at| at.abs() <= 0.0);
-        let is_even = self.chest_grid.is_none() && self.thickness_field.is_none();
+        let is_even =
+            self.torso.is_none() && self.chest_grid.is_none() && self.thickness_field.is_none();
         let is_turned = self.chest.is_none() || self.is_sphere();
         let is_skin_turned = self.body.skin_state.is_turned();
         is_centred && is_even && self.implant.is_round() && is_turned && is_skin_turned

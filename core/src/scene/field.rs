@@ -5,7 +5,7 @@
 
 use super::implant::MAX_APEX_SHIFT;
 use super::limits::{CHEST_RADIUS_MM, PATCH_RADIUS_MAX_MM, POCKET_RADIUS_MAX_MM};
-use super::{Body, Implant, Scene, SceneError, error::out_of_range};
+use super::{Body, Implant, Scene, SceneError, Torso, error::out_of_range};
 use crate::clinical::limits::{
     ASPECT, BASE_WIDTH_MM, FULLNESS, MEASURED_WIDTH_MM, PINCH_MM, PROJECTION_MM, PULL_MM,
 };
@@ -37,6 +37,8 @@ pub enum Part {
     Layer,
     /// The chest; a flat one has no such number.
     Chest,
+    /// The built-in torso; another chest has no such number.
+    Torso,
     /// The measurements of a patient; no result depends on the number.
     Patient,
 }
@@ -65,6 +67,7 @@ const OF_RADIUS: Scale = Scale { unit: "% of the base radius", step: 0.0, decima
 const PLAIN: Scale = Scale { unit: "", factor: 1.0, step: 0.01, decimals: 2 };
 const TENSION: Scale = Scale { unit: "N/m", factor: 1.0, step: 1.0, decimals: 0 };
 const DEGREES: Scale = Scale { unit: "°", factor: 1.0, step: 5.0, decimals: 0 };
+const MILLILITRES: Scale = Scale { unit: "ml", factor: 1.0, step: 5.0, decimals: 0 };
 const STIFFNESS: Scale = Scale { unit: "kPa/mm", factor: 1.0, step: 0.1, decimals: 1 };
 
 /// What is common to a number of all scenes.
@@ -99,6 +102,7 @@ macro_rules! value {
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_ref()?.radius($axis) };
+    (Torso $k:literal) => { |scene, _| Some(*scene.torso?.number($k)) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_ref()?.measured.$($at)+ };
 }
 
@@ -113,6 +117,7 @@ macro_rules! place {
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_mut()?.place($axis) };
+    (Torso $k:literal) => { |scene, _| Some(scene.torso.as_mut()?.number($k)) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_mut()?.measured.$($at)+.as_mut() };
 }
 
@@ -196,6 +201,16 @@ fields! {
         "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
     ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;
         "Radius along", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
+    TorsoChest: "chest.torso.chest_width_mm", Torso[0], "width of the chest", "mm", (220.0, 320.0), Tables;
+        "Chest width", CM, "Width of the chest at the level of the folds, straight, without arms.";
+    TorsoBreast: "chest.torso.breast_width_mm", Torso[1], "width of the breast", "mm", (110.0, 150.0), Tables;
+        "Breast width", CM, "Width of the breast from its medial to its lateral end, straight.";
+    TorsoNotch: "chest.torso.notch_nipple_mm", Torso[2], "notch to nipple", "mm", (170.0, 250.0), Tables;
+        "Notch to nipple", CM, "From the sternal notch to the nipple, straight.";
+    TorsoNipples: "chest.torso.nipple_nipple_mm", Torso[3], "nipple to nipple", "mm", (180.0, 250.0), Tables;
+        "Nipple to nipple", CM, "Between the nipples, straight.";
+    TorsoVolume: "chest.torso.breast_volume_ml", Torso[4], "volume of the breast", "ml", (80.0, 500.0), Tables;
+        "Breast volume", MILLILITRES, "Volume of the breast before the operation, between skin and bare chest.";
     Insertion: "insertion", Scene[insertion], "insertion", "", (0.0, 1.0), Dome;
         "In place", PERCENT, "Height of the implant under the tissue, from flat (0 %) to full (100 %).";
     Thickness: "layers[].thickness_mm", Layer[thickness_mm], "thickness of the skin", "mm", (0.2, 60.0), Tables;
@@ -218,6 +233,15 @@ fields! {
 
 /// Radii of the chest across and along the body.
 pub const CHEST: [Field; 2] = [Field::ChestAcross, Field::ChestAlong];
+
+/// The numbers of the built-in torso.
+pub const TORSO: [Field; 5] = [
+    Field::TorsoChest,
+    Field::TorsoBreast,
+    Field::TorsoNotch,
+    Field::TorsoNipples,
+    Field::TorsoVolume,
+];
 
 /// The numbers of a [`Body`](super::Body).
 pub(super) fn of_body() -> impl Iterator<Item = Field> {
@@ -274,7 +298,8 @@ impl Field {
     /// The value of a plan that does not state the number, as a screen shows it \[`scale.unit`\].
     #[must_use]
     pub fn usual(self) -> f64 {
-        self.shown(&Scene::default()).unwrap_or_default()
+        let torso = (self.part == Part::Torso).then(Torso::default);
+        self.shown(&Scene { torso, ..Scene::default() }).unwrap_or_default()
     }
 
     /// Has a scene another value than the usual one?
@@ -286,7 +311,7 @@ impl Field {
     /// How many of these numbers the equilibrium of a scene depends on; patch and attachment belong to layered tissue.
     pub(crate) fn count(self, scene: &Scene) -> usize {
         match self.row().part {
-            Part::Scene | Part::Chest => 1,
+            Part::Scene | Part::Chest | Part::Torso => 1,
             Part::Body => usize::from(scene.is_layered()),
             Part::Layer => scene.layers.len(),
             Part::Patient => 0,
@@ -384,20 +409,26 @@ mod tests {
         };
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
-        let json = serde_json::to_value(&scene).unwrap();
+        let mut on_torso = scene.clone();
+        on_torso.set_torso(Torso::default());
+        let json = [&scene, &on_torso].map(|scene| serde_json::to_value(scene).unwrap());
         let (mut wanted, mut found) = (Vec::new(), vec!["solver.nodes_per_side".to_owned()]);
-        paths(&json, "", &mut wanted);
+        paths(&json[0], "", &mut wanted);
+        paths(&json[1]["chest"], "chest", &mut wanted);
         for field in Field::ALL {
+            let is_of_torso = field.part == Part::Torso;
+            let json = &json[usize::from(is_of_torso)];
+            let scene = if is_of_torso { &mut on_torso } else { &mut scene };
             let layers = if field.part == Part::Layer { scene.layers.len() } else { 1 };
             for layer in 0..layers {
-                let value = field.value(&scene, layer).unwrap();
+                let value = field.value(scene, layer).unwrap();
                 let path = field.path(layer);
                 let pointer = format!("/{}", path.replace(['.', '['], "/").replace(']', ""));
                 assert_eq!(json.pointer(&pointer).and_then(Value::as_f64), Some(value), "{path}");
-                assert_eq!(field.place(&mut scene, layer).copied(), Some(value), "{path}");
+                assert_eq!(field.place(scene, layer).copied(), Some(value), "{path}");
                 let mut other = scene.clone();
                 *field.place(&mut other, layer).unwrap() += 1.0;
-                assert!(!other.is_same_plan(&scene), "{path}");
+                assert!(!other.is_same_plan(scene), "{path}");
                 found.push(path);
             }
         }

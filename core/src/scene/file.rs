@@ -7,7 +7,7 @@ use super::patient::PatientFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
     Patient, Placement, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid,
-    TissueModel, Visit, limits, one_line, patient, pins, problem,
+    TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
 };
 use crate::clinical::When;
 use crate::curve::{List, given, given_object, object, present, present_object};
@@ -37,6 +37,13 @@ pub struct Scene {
     /// The chest wall; `None`: flat. Layered tissue only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chest: Option<ChestShape>,
+    /// The chest by the built-in torso, instead of radii: in a file `torso` in `chest`.
+    #[serde(
+        rename = "chest",
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "torso::written"
+    )]
+    pub torso: Option<Torso>,
     /// The chest wall by a grid of heights, instead of radii: in a file `grid` in `chest`.
     #[serde(rename = "chest", skip_serializing_if = "Option::is_none")]
     pub chest_grid: Option<ChestGrid>,
@@ -78,6 +85,7 @@ impl Default for Scene {
             pocket_radius_mm,
             body: Body::around(pocket_radius_mm, TissueModel::Layered),
             chest: None,
+            torso: None,
             chest_grid: None,
             insertion: full_insertion(),
             layers: default_layers(),
@@ -195,7 +203,7 @@ pub(super) struct SceneFile {
     pub(super) pins: Option<Vec<pins::PinFile>>,
 }
 
-/// The chest wall by radii or by a grid.
+/// The chest wall by radii, by a grid or by the built-in torso.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "one JSON object")]
 #[schemars(rename = "Chest")]
@@ -209,17 +217,31 @@ pub(super) struct ChestFile {
     /// Heights over a plane, instead of radii.
     #[serde(default, deserialize_with = "given_object")]
     grid: Option<HeightsGrid>,
+    /// The built-in torso, shaped by a tape, instead of radii and `thickness_field`. Missing numbers are those of a small breast.
+    #[serde(default, deserialize_with = "given_object")]
+    torso: Option<Torso>,
 }
 
+/// Radii, torso and grid of a chest, one of them.
+type Wall = (Option<ChestShape>, Option<Torso>, Option<ChestGrid>);
+
 impl ChestFile {
-    fn wall(self) -> Result<(Option<ChestShape>, Option<ChestGrid>), SceneError> {
-        let Self { radius_across_mm, radius_along_mm, grid } = self;
-        match (radius_across_mm, grid) {
-            (Some(radius_across_mm), None) => {
-                Ok((Some(ChestShape { radius_across_mm, radius_along_mm }), None))
+    fn wall(self) -> Result<Wall, SceneError> {
+        let Self { radius_across_mm, radius_along_mm, grid, torso } = self;
+        match (radius_across_mm, grid, torso) {
+            (Some(radius_across_mm), None, None) => {
+                Ok((Some(ChestShape { radius_across_mm, radius_along_mm }), None, None))
             }
-            (None, Some(grid)) if radius_along_mm.is_none() => Ok((None, Some(ChestGrid { grid }))),
-            (None, None) => Err(problem("chest", "missing field `radius_across_mm` or `grid`")),
+            (None, Some(grid), None) if radius_along_mm.is_none() => {
+                Ok((None, None, Some(ChestGrid { grid })))
+            }
+            (None, None, Some(torso)) if radius_along_mm.is_none() => Ok((None, Some(torso), None)),
+            (None, None, None) => {
+                Err(problem("chest", "missing field `radius_across_mm`, `grid` or `torso`"))
+            }
+            (_, _, Some(_)) => {
+                Err(problem("chest", "torso beside radii or a grid; allowed: one of them"))
+            }
             _ => Err(problem("chest", BOTH)),
         }
     }
@@ -311,7 +333,7 @@ impl SceneFile {
             (None, Some(beside)) => beside.layers.clone(),
             (None, None) => default_layers(),
         };
-        let (chest, mut chest_grid) =
+        let (chest, torso, mut chest_grid) =
             file.chest.map(ChestFile::wall).transpose()?.unwrap_or_default();
         let (mut thickness_field, mut placement) = (file.thickness_field, file.body.map(Box::new));
         if let Some(beside) = beside {
@@ -325,6 +347,7 @@ impl SceneFile {
             pocket_radius_mm,
             body,
             chest,
+            torso,
             chest_grid,
             insertion: file.insertion,
             layers,

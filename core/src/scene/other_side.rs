@@ -108,6 +108,7 @@ impl Scene {
             visit: None,
             other_side: None,
             chest: self.chest,
+            torso: self.torso,
             insertion: self.insertion,
             springs: self.springs,
             solver: self.solver,

@@ -140,9 +140,27 @@ impl Scene {
             marks::Side::Left => Side::Left,
             marks::Side::Right => Side::Right,
         });
+        scene.chest = None;
+        let (wall, thickness) = scene.grids_of(fit);
+        (scene.chest_grid, scene.thickness_field) = (Some(wall), Some(thickness));
+        let Frame { origin, axes } = fit.frame;
+        scene.placement = Some(Box::new(Placement {
+            unit: unit.into(),
+            cover_mm,
+            origin_mm: origin.to_array(),
+            axes: axes.to_cols_array_2d(),
+            marks: *marks,
+            surface: None,
+        }));
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// Wall and thickness of a fit under the layers of the scene.
+    pub(super) fn grids_of(&self, fit: &BodyFit) -> (ChestGrid, ThicknessGrid) {
         let (grid, side_of_grid) = (fit.grid, 2 * NODES + 1);
-        let skin_mm = scene.layers[0].thickness_mm;
-        let solids_mm = scene.tissue_mm() - skin_mm;
+        let skin_mm = self.layers[0].thickness_mm;
+        let solids_mm = self.tissue_mm() - skin_mm;
         let rounded = |value: f64, decimals: f64| (value * decimals).round() / decimals;
         let nodes = || {
             let first = grid.half.saturating_sub(NODES);
@@ -156,23 +174,9 @@ impl Scene {
         });
         let (spacing_mm, columns, rows) = (grid.spacing_mm, side_of_grid, side_of_grid);
         let heights_mm = heights.collect();
-        scene.chest = None;
-        scene.chest_grid = Some(ChestGrid {
-            grid: HeightsGrid { spacing_mm, columns, rows, heights_mm, smooth_mm: 0.0 },
-        });
+        let heights = HeightsGrid { spacing_mm, columns, rows, heights_mm, smooth_mm: 0.0 };
         let factors = factors.collect();
-        scene.thickness_field = Some(ThicknessGrid { spacing_mm, columns, rows, factors });
-        let Frame { origin, axes } = fit.frame;
-        scene.placement = Some(Box::new(Placement {
-            unit: unit.into(),
-            cover_mm,
-            origin_mm: origin.to_array(),
-            axes: axes.to_cols_array_2d(),
-            marks: *marks,
-            surface: None,
-        }));
-        scene.validate()?;
-        Ok(scene)
+        (ChestGrid { grid: heights }, ThicknessGrid { spacing_mm, columns, rows, factors })
     }
 
     /// The scene without the surface of its body.

@@ -20,6 +20,10 @@ pub(super) struct Solved {
 }
 
 impl Solved {
+    pub(super) fn has_shape(&self) -> bool {
+        self.outcome.status == Status::Converged
+    }
+
     /// The same solution for a scene of the same physics.
     pub(super) fn relabelled(&self, of: &Scene, scene: &Scene) -> Self {
         let mut solved = self.clone();

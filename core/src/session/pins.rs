@@ -21,11 +21,16 @@ pub struct Pin {
     /// Has the scene a side of its own? Without one it has that of the current scene.
     has_side: bool,
     solved: Option<Solved>,
+    /// The same of the other side's plan, where the scene has one.
+    other_solved: Option<Solved>,
     /// Number of the pin, different for every pin of a session.
     number: u64,
 }
 
-/// The solve of a pin or of the other side.
+/// What the number of a pin's other side has beside the pin's.
+const OF_OTHER: u64 = 1 << 63;
+
+/// The solve of a pin, of its other side or of the other side.
 pub(super) struct PinSolve {
     pub(super) number: u64,
     solver: Solver,
@@ -68,10 +73,30 @@ impl Pin {
         self.fields().map(|fields| fields.solution())
     }
 
+    /// The shape of the other side's plan; `None` until it is solved and without such a plan.
+    #[must_use]
+    pub fn other_fields(&self) -> Option<&Rc<Fields>> {
+        let solved = self.other_solved.as_ref();
+        solved.filter(|solved| solved.has_shape()).map(|solved| &solved.fields)
+    }
+
+    /// Its scenes: its own, that of the other side, with their results.
+    fn scenes(&self) -> impl Iterator<Item = (&Scene, Option<&Solved>)> {
+        let other = self.scene().other_side.as_deref();
+        let other = other.map(|other| (other, self.other_solved.as_ref()));
+        [(self.scene(), self.solved.as_ref())].into_iter().chain(other)
+    }
+
     /// Number of the pin, different for every pin of a session.
     #[must_use]
     pub fn number(&self) -> u64 {
         self.number
+    }
+
+    /// Its number and, where it has one, that of its other side.
+    fn numbers(&self) -> impl Iterator<Item = u64> {
+        let other = self.scene().other_side.is_some();
+        [self.number].into_iter().chain(other.then_some(self.number | OF_OTHER))
     }
 
     /// Does the pin have a converged shape?
@@ -160,10 +185,9 @@ impl Session {
         let k = self.place(letter)?;
         let pin = self.pins.remove(k);
         self.pins_revision += 1;
-        if let Some(Solved { fields, .. }) = pin.solved {
-            self.drop_fields(&fields);
-        }
-        self.pin_solve.take_if(|solve| solve.number == pin.number);
+        let solved = pin.solved.iter().chain(&pin.other_solved);
+        solved.for_each(|solved| self.drop_fields(&solved.fields));
+        self.pin_solve.take_if(|solve| solve.number & !OF_OTHER == pin.number);
         Ok(())
     }
 
@@ -202,16 +226,21 @@ impl Session {
         self.pin_solve = None;
         pinned.into_iter().for_each(|pin| self.add_pin(pin));
         // Scenes of the previous pins may be among the new ones.
-        let solved: Vec<(Scene, Solved)> =
-            before.into_iter().filter_map(|pin| Some((pin.pinned.scene, pin.solved?))).collect();
+        let all = before.iter().flat_map(Pin::scenes);
+        let solved: Vec<(&Scene, &Solved)> =
+            all.filter_map(|(scene, solved)| Some((scene, solved?))).collect();
+        let of = |wanted: &Scene| {
+            let same = solved.iter().find(|(scene, _)| scene.same_physics(wanted));
+            same.map(|(scene, solved)| solved.relabelled(scene, wanted))
+        };
         for pin in &mut self.pins {
-            let same = solved.iter().find(|(scene, _)| scene.same_physics(pin.scene()));
-            pin.solved = same.map(|(scene, solved)| solved.relabelled(scene, pin.scene()));
+            let other = pin.scene().other_side.as_deref();
+            (pin.solved, pin.other_solved) = (of(pin.scene()), other.and_then(of));
         }
         let mut fields: Vec<Rc<Fields>> = Vec::new();
         for (_, solved) in solved {
             if !fields.iter().any(|own| Rc::ptr_eq(own, &solved.fields)) {
-                fields.push(solved.fields);
+                fields.push(Rc::clone(&solved.fields));
             }
         }
         fields.iter().for_each(|fields| self.drop_fields(fields));
@@ -232,7 +261,8 @@ impl Session {
         let has_side = pinned.scene.side.is_some();
         pinned.scene.side = pinned.scene.side.or(self.scene.side);
         let at = self.pins.partition_point(|pin| pin.letter() < pinned.letter);
-        self.pins.insert(at, Pin { pinned, has_side, solved: None, number: self.pins_added });
+        let (number, [solved, other_solved]) = (self.pins_added, [None, None]);
+        self.pins.insert(at, Pin { pinned, has_side, solved, other_solved, number });
     }
 
     /// Sets the side of the pins that have none of their own.
@@ -247,20 +277,18 @@ impl Session {
 
     /// The solution of a pin or of the other side with the physics of a scene.
     pub(super) fn held(&self, scene: &Scene) -> Option<Solved> {
-        let pins = self.pins.iter().map(|pin| (pin.scene(), pin.solved.as_ref()));
+        let pins = self.pins.iter().flat_map(Pin::scenes);
         let of_other = self.other_side.iter().map(|other| (other.scene(), other.solved()));
         let all = pins.chain(of_other).filter_map(|(of, solved)| Some((of, solved?)));
-        let has_shape = |solved: &Solved| solved.outcome.status == Status::Converged;
-        let same = |(of, solved): &(&Scene, &Solved)| has_shape(solved) && of.same_physics(scene);
+        let same = |(of, solved): &(&Scene, &Solved)| solved.has_shape() && of.same_physics(scene);
         let (of, solved) = all.into_iter().find(same)?;
         Some(solved.relabelled(of, scene))
     }
 
     /// Gives the other side and the pins without a solution the solutions of scenes with the same physics.
     pub(super) fn share_solutions(&mut self) {
-        let mut numbers: Vec<u64> = self.pins.iter().map(Pin::number).collect();
-        numbers.push(OTHER);
-        for number in numbers {
+        let pins = self.pins.iter().flat_map(Pin::numbers);
+        for number in pins.chain([OTHER]).collect::<Vec<u64>>() {
             let Some((scene, None)) = self.beside(number) else { continue };
             if let Some(solved) = self.at_hand(scene) {
                 self.count(|c| c.shared += 1);
@@ -282,26 +310,29 @@ impl Session {
         }
     }
 
-    /// The scene of a pin or of the other side by its number, with its solution.
+    /// The scene of a pin, of its other side or of the other side by its number, with its solution.
     fn beside(&self, number: u64) -> Option<(&Scene, Option<&Solved>)> {
         if number == OTHER {
             return self.other_side.as_ref().map(|other| (other.scene(), other.solved()));
         }
-        let pin = self.pins.iter().find(|pin| pin.number == number)?;
-        Some((pin.scene(), pin.solved.as_ref()))
+        let pin = self.pins.iter().find(|pin| pin.number == number & !OF_OTHER)?;
+        pin.scenes().nth(usize::from(number & OF_OTHER != 0))
     }
 
     fn set_solved(&mut self, number: u64, solved: Solved) {
         if number == OTHER {
             self.set_other_side_solved(solved);
-        } else if let Some(pin) = self.pins.iter_mut().find(|pin| pin.number == number) {
-            pin.solved = Some(solved);
+        } else if let Some(pin) = self.pins.iter_mut().find(|pin| pin.number == number & !OF_OTHER)
+        {
+            let place =
+                if number & OF_OTHER == 0 { &mut pin.solved } else { &mut pin.other_solved };
+            *place = Some(solved);
         }
     }
 
-    /// Number of the next scene without a solution: of the other side, then of the pins.
+    /// Number of the next scene without a solution: of the other side, then of the pins and their other sides.
     fn unsolved(&self) -> Option<u64> {
-        let pins = self.pins.iter().map(Pin::number);
+        let pins = self.pins.iter().flat_map(Pin::numbers);
         let is_unsolved =
             |number: &u64| self.beside(*number).is_some_and(|(_, solved)| solved.is_none());
         [OTHER].into_iter().chain(pins).find(is_unsolved)
@@ -369,7 +400,8 @@ impl Session {
 
     fn pinned_fields(&self) -> impl Iterator<Item = &Rc<Fields>> {
         let of_other = self.other_side.iter().filter_map(OtherSide::fields);
-        self.pins.iter().filter_map(Pin::fields).chain(of_other)
+        let of_pins = self.pins.iter().flat_map(Pin::scenes).filter_map(|(_, solved)| solved);
+        of_pins.map(|solved| &solved.fields).chain(of_other)
     }
 
     /// Work of the fields in use: numbers of recovered deformations and computed fields.

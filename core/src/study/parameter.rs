@@ -4,7 +4,7 @@ use super::quantity;
 use crate::clinical::{ClinicalError, Dimension, Measurements};
 use crate::curve::number;
 use crate::scene::field::{Change, Part};
-use crate::scene::{ChestShape, Field, Scene, SceneError, limits};
+use crate::scene::{ChestShape, Field, Scene, SceneError, Torso, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -176,7 +176,7 @@ impl Parameter {
         let layers = scene.layers.len();
         let (field, layer) = self.row();
         let is_missing = match field.part {
-            Part::Chest | Part::Body => !scene.is_layered(),
+            Part::Chest | Part::Torso | Part::Body => !scene.is_layered(),
             _ => false,
         };
         if is_missing {
@@ -351,6 +351,10 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);
         }
         Parameter::Number(field, layer) => {
+            // The usual torso in place of another chest.
+            if field.part == Part::Torso && scene.torso.is_none() {
+                scene.set_torso(Torso::default());
+            }
             if let Some(place) = field.place(scene, usize::from(layer)) {
                 *place = value;
             }

@@ -7,6 +7,7 @@ use crate::app::plan::device::Device;
 use crate::app::plan::{chest_in_words, fill_in_words, shape_in_words};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
+use crate::scene::field::TORSO;
 use crate::scene::{Field, Scene};
 use crate::session::{Pin, Session};
 
@@ -130,7 +131,8 @@ fn differing(session: &Session, device: Device) -> impl Iterator<Item = Given> {
         let mut others = session.pins().iter().map(Pin::scene).chain(other);
         others.any(|scene| given.of_scene(scene, device) != own)
     };
-    GIVEN.into_iter().chain(Field::PLAIN.map(Given::of)).filter(differs)
+    let by_rows = Field::PLAIN.into_iter().chain(TORSO).map(Given::of);
+    GIVEN.into_iter().chain(by_rows).filter(differs)
 }
 
 /// The values that differ, a row each: the name with the unit, then the plan's value and those of the other side and of the pins.

@@ -7,7 +7,7 @@ use crate::body::marks::Marks;
 use crate::body::propose::propose;
 use crate::body::read::{self, Format, Read};
 use crate::clinical::Draft;
-use crate::scene::{MAX_SCENE_BYTES, Scene};
+use crate::scene::{MAX_SCENE_BYTES, Scene, Side};
 use crate::study::volume_and_width;
 use crate::table::decode;
 use eframe::egui::{Context, DroppedFileHandle};
@@ -87,11 +87,25 @@ fn name(
     what: &str,
     extension: &str,
 ) -> String {
-    let [volume, _] = volume_and_width(scene);
-    let (device, maker) = (device.english("implant"), makers_name(scene).unwrap_or_default());
-    let reference = word_of_name(reference);
-    let parts = [device, maker, format!("{volume}ml"), dated(date), reference, what.to_owned()];
+    let device = device.english("implant");
+    let size = sizes_of_sides(scene).unwrap_or_else(|| {
+        let [volume, _] = volume_and_width(scene);
+        let maker = makers_name(scene).map(|maker| format!("{maker}-")).unwrap_or_default();
+        format!("{maker}{volume}ml")
+    });
+    let parts = [device, size, dated(date), word_of_name(reference), what.to_owned()];
     joined(parts, extension)
+}
+
+/// The volumes of both sides where they differ, as "left-300ml-right-260ml".
+fn sizes_of_sides(scene: &Scene) -> Option<String> {
+    let sides = [scene, scene.other_side.as_deref()?];
+    let [own, other] = sides.map(|scene| volume_and_width(scene)[0].clone());
+    let of = |scene: &Scene, volume: &str| {
+        let side = scene.side.map_or("", Side::word);
+        format!("{side}-{volume}ml")
+    };
+    (own != other).then(|| format!("{}-{}", of(sides[0], &own), of(sides[1], &other)))
 }
 
 /// The date of a plan's visit, or today's.
@@ -400,6 +414,16 @@ mod tests {
         assert_eq!(name("tissue"), "tissue-12cm-225ml-2026-11-25-K-M-4711.glb");
         let report = name_with_visit(&scene, Device::Implant, "", "html");
         assert_eq!(report, "implant-MM-240-225ml-2026-11-25-K-M-4711.html");
+    }
+
+    #[test]
+    fn a_name_has_the_sizes_of_both_sides_where_they_differ() {
+        let mut scene = visited();
+        scene.add_other_side().unwrap();
+        let name = |scene: &Scene| name_with_visit(scene, Device::Implant, "", "html");
+        assert_eq!(name(&scene), "implant-225ml-2026-11-25-K-M-4711.html");
+        scene.other_side.as_mut().unwrap().implant.projection_mm *= 0.8;
+        assert_eq!(name(&scene), "implant-left-225ml-right-180ml-2026-11-25-K-M-4711.html");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::app::answer::measured::Measured;
 use crate::body::before_after as body;
 use crate::export;
 use crate::measure::{Outcome, Status};
+use crate::scene::field::TORSO;
 use crate::scene::{Field, Scene, Side};
 use crate::session::Session;
 use crate::study::{Quantity, Samples};
@@ -72,7 +73,8 @@ fn rows(layers: usize) -> Vec<Row> {
         Row::of_plan("Radius of the chest across", Field::ChestAcross),
         Row::of_plan("Radius of the chest along", Field::ChestAlong),
     ];
-    rows.extend(Field::PLAIN.map(|number| Row::of_plan(number.label, number)));
+    let by_rows = TORSO.into_iter().chain(Field::PLAIN);
+    rows.extend(by_rows.map(|number| Row::of_plan(number.label, number)));
     for k in 0..layers {
         rows.push(Row::new(
             format!("Thickness at rest, layer {}", k + 1),

@@ -1,29 +1,68 @@
-//! The chest: flat, usual, round, or by its radii of curvature.
+//! The chest: flat, usual, round, by its radii of curvature, or a torso by what a tape measures.
 
-use super::{Hand, chip, chips, cm, mm, named, row};
-use crate::app::texts::tr;
+use super::device::Device;
+use super::{Hand, chip, chips, cm, mm, named, plain, row};
+use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
-use crate::app::widgets::{self, Control, set_accessible_name};
-use crate::scene::field::CHEST;
-use crate::scene::{ChestShape, Field, Scene};
+use crate::app::widgets::{self, Control, remark, set_accessible_name};
+use crate::body::torso::Tape;
+use crate::scene::field::{CHEST, TORSO};
+use crate::scene::{ChestShape, Field, Scene, Torso};
 use eframe::egui::{self, Ui};
 
-/// A choice: its word, its chest (`None`: flat) and what it means.
-type ChestChoice = (&'static str, Option<ChestShape>, &'static str);
+/// A choice: its word, its chest and what it means.
+type ChestChoice = (&'static str, Chest, &'static str);
 
-pub(super) const CHOICES: [ChestChoice; 3] = [
-    ("flat", None, "A flat chest wall. The skin then stretches less than over a curved one."),
+/// The chest of a choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Chest {
+    /// By radii; `None`: flat.
+    Radii(Option<ChestShape>),
+    /// The built-in torso.
+    Torso,
+}
+
+pub(super) const CHOICES: [ChestChoice; 4] = [
+    (
+        "flat",
+        Chest::Radii(None),
+        "A flat chest wall. The skin then stretches less than over a curved one.",
+    ),
     (
         "usual",
-        Some(ChestShape::USUAL),
+        Chest::Radii(Some(ChestShape::USUAL)),
         "Radius of curvature 14 cm across the body, straight along it: chests measured at the breasts have 12 to 16 cm.",
     ),
     (
         "round",
-        Some(ChestShape::ROUND),
+        Chest::Radii(Some(ChestShape::ROUND)),
         "A barrel chest: radius of curvature 12 cm across the body, 60 cm along it.",
     ),
+    (
+        "torso",
+        Chest::Torso,
+        "A torso with the breast before the operation, shaped by what a tape measures: its chest, its breast and the tissue of the pinch are computed and drawn.",
+    ),
 ];
+
+impl Chest {
+    fn is_of(self, scene: &Scene) -> bool {
+        match self {
+            Self::Torso => scene.torso.is_some(),
+            Self::Radii(chest) => {
+                scene.torso.is_none() && scene.chest_grid.is_none() && scene.chest == chest
+            }
+        }
+    }
+
+    /// Gives a scene the chest; a torso keeps its numbers.
+    pub(super) fn set(self, scene: &mut Scene) {
+        match self {
+            Self::Radii(chest) => scene.set_chest(chest),
+            Self::Torso => scene.set_torso(scene.torso.unwrap_or_default()),
+        }
+    }
+}
 
 /// Radius along the body of a chest that is curved along at first \[mm\].
 const ALONG_MM: f64 = 600.0;
@@ -32,12 +71,15 @@ const MOST_MM: f64 = 10_000.0;
 
 /// The word of the present choice; `None` for radii of their own and for a grid of heights.
 pub(super) fn choice(scene: &Scene) -> Option<&'static str> {
-    let is_present = |chest| scene.chest_grid.is_none() && scene.chest == chest;
-    CHOICES.iter().find(|(_, chest, _)| is_present(*chest)).map(|(word, ..)| *word)
+    CHOICES.iter().find(|(_, chest, _)| chest.is_of(scene)).map(|(word, ..)| *word)
 }
 
 /// The chest of a scene in a few words with its radii.
 pub(crate) fn chest_in_words(scene: &Scene) -> String {
+    if let Some(torso) = &scene.torso {
+        let volume = format_at_most(torso.breast_volume_ml, 0, 0);
+        return tr!("torso, breast of {volume} ml", volume);
+    }
     let radius = |field: Field| field.value(scene, 0).map(|mm| format_at_most(cm(mm), 0, 1));
     match CHEST.map(radius) {
         [None, _] if scene.placement.is_some() => tr("hers, from the scan").to_owned(),
@@ -75,7 +117,8 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
     let name = |word: Option<&str>| match word {
         Some("flat") => tr("flat chest"),
         Some("usual") => tr("usual chest"),
-        Some(_) => tr("round chest"),
+        Some("round") => tr("round chest"),
+        Some(_) => tr("torso by a tape…"),
         None => tr("chest by its radii…"),
     };
     let list =
@@ -88,7 +131,7 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
             for (word, chest, tooltip) in CHOICES {
                 let item = widgets::choice(ui, present == Some(word), name(Some(word)));
                 if item.on_hover_text(tr(tooltip)).clicked() {
-                    scene.set_chest(chest);
+                    chest.set(scene);
                     ui.data_mut(|data| data.insert_temp(own_id(), false));
                 }
             }
@@ -135,6 +178,54 @@ pub(super) fn radii(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     });
 }
 
+/// Shows the numbers of the torso, and those that the nearest torso has instead.
+pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    if scene.torso.is_none() {
+        return;
+    }
+    for number in TORSO {
+        let Some((control, mut value)) = plain::control(scene, number, Device::Implant) else {
+            continue;
+        };
+        if row(ui, hand, control, &mut value, (0.0, |_: &mut Ui| {})).is_changed {
+            plain::set(scene, number, value);
+        }
+    }
+    let Some(Ok(fitted)) = scene.fitted_torso() else { return };
+    let (asked, found) = (scene.torso.unwrap_or_default(), nearest(&fitted.shaped.tape));
+    let of = |number: Field, torso: Torso| {
+        let scene = Scene { torso: Some(torso), ..Scene::default() };
+        number.shown(&scene).unwrap_or_default()
+    };
+    let others = TORSO.into_iter().filter(|number| {
+        let (asked, found) = (of(*number, asked), of(*number, found));
+        (found - asked).abs() > NEAREST * asked
+    });
+    let words: Vec<String> = others
+        .map(|number| {
+            let value = fixed(of(number, found), number.scale.decimals);
+            format!("{} {value} {}", tr(number.label), number.scale.unit)
+        })
+        .collect();
+    if !words.is_empty() {
+        remark(ui, tr!("The nearest torso has: {words}.", words = words.join(", ")));
+    }
+}
+
+/// Greatest difference of a torso from what is asked for that is not mentioned \[-\].
+const NEAREST: f64 = 0.02;
+
+/// The numbers that a torso has.
+fn nearest(tape: &Tape) -> Torso {
+    Torso {
+        chest_width_mm: tape.chest_width_mm,
+        breast_width_mm: tape.breast_width_mm,
+        notch_nipple_mm: tape.notch_nipple_mm,
+        nipple_nipple_mm: tape.nipple_nipple_mm,
+        breast_volume_ml: tape.breast_volume_ml,
+    }
+}
+
 /// The control of the radius across (0) or along the body (1), and the radius \[cm\]; `None` without one.
 pub(super) fn radius(scene: &Scene, axis: usize) -> Option<(Control<'static>, f64)> {
     let field = CHEST[axis];
@@ -166,9 +257,11 @@ mod tests {
     fn the_choices_are_scenes_and_have_their_words() {
         let mut scene = Scene::opening();
         for (word, chest, _) in CHOICES {
-            scene.chest = chest;
+            chest.set(&mut scene);
             assert_eq!((choice(&scene), scene.validate()), (Some(word), Ok(())));
         }
+        assert_eq!(chest_in_words(&scene), "torso, breast of 130 ml");
+        scene.set_chest(Some(ChestShape::ROUND));
         assert_eq!(chest_in_words(&scene), "radius 12 cm across, 60 cm along");
         set_radius(&mut scene, 0, 14.5);
         set_radius(&mut scene, 1, 60.0);

@@ -48,6 +48,14 @@ const OTHERS: [(&str, Number); 8] = [
     ("up_cm", Number::Offset(1)),
     ("in_place_percent", Number::InPlace),
 ];
+/// The numbers of a torso by name.
+const OF_TORSO: [(&str, Number); 5] = [
+    ("chest_width_cm", Number::Plain(Row::TorsoChest)),
+    ("breast_width_cm", Number::Plain(Row::TorsoBreast)),
+    ("notch_nipple_cm", Number::Plain(Row::TorsoNotch)),
+    ("nipple_nipple_cm", Number::Plain(Row::TorsoNipples)),
+    ("breast_volume_ml", Number::Plain(Row::TorsoVolume)),
+];
 const WIDTH: &str = "width_cm";
 const SHAPE: &str = "shape";
 const FILL: &str = "fill";
@@ -63,7 +71,7 @@ fn name_of(number: Row) -> &'static str {
 /// The numbers by name, in the order of the screen.
 fn numbers() -> impl Iterator<Item = (&'static str, Number)> {
     let plain = Row::PLAIN.map(|number| (name_of(number), Number::Plain(number)));
-    OF_SIZE.into_iter().chain(plain).chain(OTHERS)
+    OF_SIZE.into_iter().chain(plain).chain(OTHERS).chain(OF_TORSO)
 }
 
 /// The fields of the present plan, in the order of the screen.
@@ -174,7 +182,7 @@ fn chest_field(scene: &Scene) -> Field {
         label: tr("Chest"),
         unit: "",
         text: chest::choice(scene).unwrap_or_default().to_owned(),
-        hint: tr("Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and 60 cm along.")
+        hint: tr("Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and 60 cm along; torso, by what a tape measures.")
             .to_owned(),
         range: String::new(),
         values: Values::Words {
@@ -227,7 +235,7 @@ pub(crate) fn set(
         let (_, chest, _) = found.ok_or_else(|| {
             tr!("Chest: allowed: {words}", words = choices.map(|(word, ..)| word).join(", "))
         })?;
-        scene.set_chest(chest);
+        chest.set(scene);
         return Ok(());
     }
     if let Some(set) = visit::set_form_field(scene, name, text) {
@@ -369,7 +377,7 @@ mod tests {
             ("skin", "soft", "Skin feels: allowed: tight, normal, lax, very lax"),
             ("shape", "square", "Implant: allowed: round, anatomical"),
             ("fill", "hard", "Filled with: allowed: form_stable, cohesive, soft, saline, rigid"),
-            ("chest", "square", "Chest: allowed: flat, usual, round"),
+            ("chest", "square", "Chest: allowed: flat, usual, round, torso"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             ("height", "3", &no_field),
             ("side", "up", "Side: allowed: left, right, both, each own, not said"),

@@ -1,8 +1,9 @@
-//! The numbers of the plan that are shown by their rows alone, [`Field::PLAIN`]: control, effect, words.
+//! The numbers of the plan that are shown by their rows alone, [`Field::PLAIN`] and those of a torso: control, effect, words.
 
 use super::device::Device;
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::Control;
+use crate::scene::field::TORSO;
 use crate::scene::{Field, Scene};
 
 /// The control of a number and its value; `None` for a number of an implant if the plan has an expander.
@@ -24,10 +25,10 @@ pub(crate) fn set(scene: &mut Scene, number: Field, value: f64) {
     scene.implant = scene.implant.in_few_words();
 }
 
-/// The stated numbers in words: names and values.
+/// The stated numbers, and those of a torso, in words: names and values.
 pub(super) fn rows(scene: &Scene) -> impl Iterator<Item = (&'static str, String)> {
     let stated = Field::PLAIN.into_iter().filter(|number| number.is_stated(scene));
-    stated.filter_map(|number| {
+    stated.chain(TORSO).filter_map(|number| {
         let value = fixed(number.shown(scene)?, number.scale.decimals);
         let words = format!("{value} {}", tr(number.scale.unit));
         Some((tr(number.label), words.trim_end().to_owned()))

@@ -220,6 +220,9 @@ impl Range {
                 return;
             }
             let mut removed = None;
+            // Room for the bar beside the words of the last column.
+            let scroll = &mut ui.spacing_mut().scroll;
+            scroll.floating_allocated_width = scroll.bar_width;
             let mut list =
                 egui::ScrollArea::new([layout == Layout::Narrow, true]).max_height(LIST_HEIGHT);
             if layout == Layout::Wide {

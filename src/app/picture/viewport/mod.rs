@@ -38,7 +38,6 @@ use crate::view::picture::Picture;
 use crate::view::quantity::{Colouring, Quantity};
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{Between, LastAnswer, Subject};
-use crate::view::torso::Torso;
 use crate::view::wall;
 use eframe::egui::{self, Align2, Pos2, Rect, Response, Sense, TextStyle, Ui, WidgetInfo};
 use eframe::{egui_glow, glow};
@@ -48,7 +47,6 @@ use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
 use std::borrow::Cow;
-use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
 
@@ -125,14 +123,14 @@ pub(crate) struct Viewport {
     handles: Option<ShapeIdx>,
     marks: Marks,
     picture: Picture,
-    /// The built-in torso, once it is drawn.
-    torso: Option<Rc<Torso>>,
+    /// The built-in torsos, once they are drawn.
+    built_in: torso::BuiltIn,
     /// The bodies of scans, with the places of their scenes.
     bodies: Vec<torso::ScannedBody>,
     /// The surface of the last scan, with its marks.
     scan: Option<(body::marks::Marks, body::surface::Surface)>,
     /// The body of a scan that was shown last.
-    scanned: Option<Rc<Torso>>,
+    scanned: Option<scan::Scanned>,
     /// Place of the border between before and after, from the left \[-\].
     wipe: f32,
     /// The pins' pictures beside the picture.
@@ -194,7 +192,7 @@ impl Viewport {
             handles: None,
             marks: Marks::default(),
             picture: Picture::default(),
-            torso: None,
+            built_in: torso::BuiltIn::default(),
             bodies: Vec::new(),
             scan: None,
             scanned: None,

@@ -4,7 +4,7 @@ use super::renderer::Areola;
 use super::{Drawn, Viewport, overlay};
 use crate::app::widgets::{arrow_keys, theme};
 use crate::session::Session;
-use crate::view::camera::Standing;
+use crate::view::camera::{Ray, Standing};
 use crate::view::section::{Opening, Section};
 use crate::view::torso::Torso;
 use eframe::egui::{
@@ -23,6 +23,13 @@ const REACH: f32 = 15.0;
 const STEPS: [(Modifiers, f32); 2] = [(Modifiers::SHIFT, 10.0), (Modifiers::NONE, 1.0)];
 /// Depth up to which a mark is in sight \[mm\].
 const IN_SIGHT_MM: f32 = 4.0;
+
+/// The body of a scan that was shown last.
+pub(super) struct Scanned {
+    torso: Rc<Torso>,
+    /// Eye and place of each dot, and whether it is in sight.
+    seen: Vec<([Vec3; 2], bool)>,
+}
 
 /// A mark in the picture.
 pub(crate) struct Dot {
@@ -58,10 +65,11 @@ impl Viewport {
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
         let response = self.interact(ui, area);
         let aspect = area.width() / area.height();
-        let is_new = self.scanned.as_ref().is_none_or(|known| !Rc::ptr_eq(known, torso));
+        let is_new = self.scanned.as_ref().is_none_or(|known| !Rc::ptr_eq(&known.torso, torso));
         if is_new || (aspect - self.aspect).abs() > 1e-4 {
             self.camera = super::torso::standing(torso, aspect, Standing::Front);
-            (self.aspect, self.scanned) = (aspect, Some(Rc::clone(torso)));
+            let scanned = Scanned { torso: Rc::clone(torso), seen: Vec::new() };
+            (self.aspect, self.scanned) = (aspect, Some(scanned));
         }
         self.camera.mirror(false);
         if self.move_camera(ui, &response, area) {
@@ -87,7 +95,8 @@ impl Viewport {
         overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));
         let mut touched = None;
         for (k, dot) in dots.iter().enumerate() {
-            touched = self.dot(ui, area, torso, (k, dot)).or(touched);
+            let is_in_sight = self.is_in_sight(torso, (k, dot.at));
+            touched = self.dot(ui, area, torso, (k, dot), is_in_sight).or(touched);
         }
         if touched.is_none() && response.clicked() {
             let at = response.interact_pointer_pos()?;
@@ -108,17 +117,37 @@ impl Viewport {
         torso.picked(&self.camera.ray(super::moves::viewport_point(area, at), self.aspect))
     }
 
-    fn dot(&self, ui: &Ui, area: Rect, torso: &Torso, (k, dot): (usize, &Dot)) -> Option<Touched> {
+    /// Is a dot on the side of the body towards the eye? Found once for a place and an eye.
+    fn is_in_sight(&mut self, torso: &Torso, (k, at): (usize, Vec3)) -> bool {
+        let eye = self.camera.eye();
+        let known = self.scanned.as_ref().and_then(|scanned| scanned.seen.get(k));
+        if let Some((_, is)) = known.filter(|(of, _)| *of == [eye, at]) {
+            return *is;
+        }
+        let ray = Ray { origin: eye, direction: (at - eye).normalize_or(Vec3::NEG_Z) };
+        let seen = torso.picked(&ray);
+        let is = seen.is_none_or(|seen| eye.distance(at) < eye.distance(seen) + IN_SIGHT_MM);
+        if let Some(Scanned { seen, .. }) = &mut self.scanned {
+            seen.resize(seen.len().max(k + 1), ([Vec3::NAN; 2], true));
+            seen[k] = ([eye, at], is);
+        }
+        is
+    }
+
+    fn dot(
+        &self,
+        ui: &Ui,
+        area: Rect,
+        torso: &Torso,
+        (k, dot): (usize, &Dot),
+        is_in_sight: bool,
+    ) -> Option<Touched> {
         let at = self.point(dot.at, area).filter(|at| area.contains(*at))?;
         let id = ui.scope_id().with(("mark", k));
         let around = Rect::from_center_size(at, egui::Vec2::splat(2.0 * REACH));
         let response = ui.interact(around, id, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, dot.name));
-        let in_sight = self.on_skin(area, torso, at).is_none_or(|seen| {
-            let eye = self.camera.eye();
-            eye.distance(dot.at) < eye.distance(seen) + IN_SIGHT_MM
-        });
-        paint(ui, area, at, dot, (response.has_focus(), in_sight));
+        paint(ui, area, at, dot, (response.has_focus(), is_in_sight));
         if response.dragged() || response.drag_started() {
             let pointer = response.interact_pointer_pos()?;
             let place = self.on_skin(area, torso, pointer)?;

@@ -179,7 +179,9 @@ void main() {
         float round = 1.0 - beyond * smoothstep(0.90, 0.985, normal.z);
         float outline = 1.0 - smoothstep(0.6, 1.9, from_silhouette);
         float shade = 1.0 - smoothstep(0.0, 6.0, from_silhouette);
-        color *= 1.0 - round * (0.50 * outline + 0.12 * shade);
+        // A torso has creases within its outline, where lines would be hatching.
+        float line_share = u_material == 4 ? 0.0 : 0.50;
+        color *= 1.0 - round * (line_share * outline + 0.12 * shade);
     }
 
     if (u_net && u_material == 0 && has_net) {

@@ -3,16 +3,26 @@
 use super::{Options, Viewport};
 use crate::body::frame::Frame;
 use crate::body::surface::Surface;
-use crate::scene::{Placement, Scene};
+use crate::scene::{FittedTorso, Placement, Scene};
 use crate::session::Session;
 use crate::view::camera::{Camera, Standing, View};
 use crate::view::torso::Torso;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Greatest number of vertices of a scan that is kept beside its reduced surface: 10 MB.
 const KEPT_VERTICES: usize = 200_000;
 /// Number of bodies that are kept.
 const BODIES: usize = 8;
+
+/// The built-in torsos as they are drawn.
+#[derive(Default)]
+pub(super) struct BuiltIn {
+    /// That of plans with another chest.
+    usual: Option<Rc<Torso>>,
+    /// Those that scenes have for their chests.
+    shaped: Vec<(Arc<FittedTorso>, Rc<Torso>)>,
+}
 
 /// The body of a scan as it is drawn for a place of a scene, and of its other side.
 pub(super) struct ScannedBody {
@@ -27,8 +37,24 @@ pub(super) fn standing(torso: &Torso, aspect: f32, standing: Standing) -> Camera
     Camera::standing(ball, aspect, standing).moved_to(middle).turned_by(azimuth)
 }
 
+impl BuiltIn {
+    /// The torso that a scene has for its chest.
+    fn shaped(&mut self, fitted: Arc<FittedTorso>) -> Rc<Torso> {
+        let is_known = |(known, _): &&(Arc<FittedTorso>, _)| Arc::ptr_eq(known, &fitted);
+        if let Some((_, torso)) = self.shaped.iter().find(is_known) {
+            return Rc::clone(torso);
+        }
+        if self.shaped.len() == BODIES {
+            self.shaped.remove(0);
+        }
+        let torso = Rc::new(Torso::of_torso(&fitted));
+        self.shaped.push((fitted, Rc::clone(&torso)));
+        torso
+    }
+}
+
 impl Viewport {
-    /// The body, if these options draw it, uncut: that of the scan on which a scene lies, else the built-in torso.
+    /// The body, if these options draw it, uncut: that of the scan on which a scene lies, else the built-in torso, shaped by a tape where a scene has it for its chest.
     pub(super) fn torso(&mut self, options: &Options, scene: &Scene) -> Option<Rc<Torso>> {
         if !options.has_torso() {
             return None;
@@ -43,10 +69,14 @@ impl Viewport {
                 return Some(Rc::clone(&body.torso));
             }
         }
-        if self.torso.is_none() {
-            self.torso = Torso::new().map(Rc::new);
+        if let Some(Ok(fitted)) = scene.fitted_torso() {
+            return Some(self.built_in.shaped(fitted));
         }
-        self.torso.clone()
+        let usual = &mut self.built_in.usual;
+        if usual.is_none() {
+            *usual = Torso::new().map(Rc::new);
+        }
+        usual.clone()
     }
 
     /// Keeps the surface on which a scene lies, that of its scan before a reduced one.

@@ -1,0 +1,245 @@
+//! Plans on the built-in torso, shaped by random tapes within the limits of its numbers.
+//!
+//! All 200: `cargo test --release -p implant-preview-core --test random_tapes -- --ignored --nocapture`.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops where something is missing"
+)]
+
+use glam::DVec3;
+use implant_preview_core::body::deform::{deform, gained_ml};
+use implant_preview_core::body::surface::Surface;
+use implant_preview_core::clinical::Measurements;
+use implant_preview_core::mesh::CELL_TRIANGLES;
+use implant_preview_core::scene::field::TORSO;
+use implant_preview_core::scene::{CheckedScene, Scene, Torso};
+use implant_preview_core::simulate::{self, Simulation};
+use implant_preview_core::solve::{Options, Solution, Verdict};
+use std::time::Instant;
+
+/// The opening plan's implant on a torso of random numbers, pinch 12 to 40 mm, and a random volume of 150 to 400 ml.
+fn plan(random: &mut fastrand::Rng, nodes_per_side: usize) -> Scene {
+    let mut between = |least: f64, most: f64| least + (most - least) * random.f64();
+    let mut scene = opening(nodes_per_side);
+    for number in TORSO {
+        let (least, most) = number.limits;
+        number.set(&mut scene, 0, between(least, most));
+    }
+    let pinch_mm = Some(between(12.0, 40.0));
+    scene.apply_patient(Measurements { pinch_mm, ..scene.measured() }).unwrap();
+    scene.implant.projection_mm *= between(150.0, 400.0) / 225.0;
+    scene
+}
+
+/// The opening plan on the torso.
+fn opening(nodes_per_side: usize) -> Scene {
+    let mut scene = Scene::opening();
+    scene.set_torso(Torso::default());
+    scene.solver.nodes_per_side = nodes_per_side;
+    scene
+}
+
+fn solved(scene: &Scene) -> Simulation {
+    simulate::run(&CheckedScene::new(scene.clone()).unwrap(), Options::default(), None)
+}
+
+/// The torso after an operation.
+fn after(scene: &Scene, solution: &Solution) -> (Surface, Surface) {
+    let fitted = scene.fitted_torso().unwrap().unwrap();
+    let before = fitted.shaped.torso.surface.clone();
+    let after = deform(&before, &fitted.fit.frame, solution);
+    (before, after)
+}
+
+/// Triangles of the skin that an operation turns over.
+fn turned_over(before: &Surface, after: &Surface) -> usize {
+    let normal = |surface: &Surface, triangle: &[u32; 3]| {
+        let [a, b, c] = surface.corners(*triangle);
+        (b - a).cross(c - a)
+    };
+    let is_turned = |t: &&[u32; 3]| normal(before, t).dot(normal(after, t)) <= 0.0;
+    before.triangles.iter().filter(is_turned).count()
+}
+
+/// Numbers of plans that were refused, that converged, by multigrid alone, and their work units, sorted.
+fn run(count: usize, nodes_per_side: usize, seed: u64) -> (usize, usize, usize, Vec<f64>) {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let (mut refused, mut converged, mut by_multigrid, mut work) = (0, 0, 0, Vec::new());
+    for index in 0..count {
+        let scene = plan(&mut random, nodes_per_side);
+        if let Err(error) = scene.validate() {
+            println!("{index}: {error} {:?}", scene.torso);
+            refused += 1;
+            continue;
+        }
+        let Simulation { solution, .. } = solved(&scene);
+        let report = solution.report();
+        let is_converged = report.verdict == Verdict::Converged;
+        converged += usize::from(is_converged);
+        by_multigrid += usize::from(is_converged && !report.fell_back);
+        work.push(report.work_units);
+        let (before, after) = after(&scene, &solution);
+        let turned = turned_over(&before, &after);
+        if !is_converged || report.fell_back || turned > 0 {
+            let (torso, pinch) = (scene.torso.unwrap(), scene.measured().pinch_mm.unwrap());
+            println!(
+                "{index}: {:?}, fell back: {}, {turned} turned over, pinch {pinch:.1}, {:.0} mm, {torso:?}",
+                report.verdict, report.fell_back, scene.implant.projection_mm
+            );
+        }
+    }
+    work.sort_by(f64::total_cmp);
+    (refused, converged, by_multigrid, work)
+}
+
+#[test]
+fn random_tapes_are_plans_that_converge_by_multigrid() {
+    let (refused, _, by_multigrid, _) = run(12, 33, 5);
+    assert_eq!((refused, by_multigrid), (0, 12));
+}
+
+/// Least time of some calls [ms].
+fn least_ms<T>(mut call: impl FnMut() -> T) -> f64 {
+    let mut least = f64::INFINITY;
+    for _ in 0..5 {
+        let start = Instant::now();
+        call();
+        least = least.min(1e3 * start.elapsed().as_secs_f64());
+    }
+    least
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn two_hundred_random_tapes() {
+    let torso = |k: f64| Torso { breast_volume_ml: 130.0 + k, ..Torso::default() };
+    let mut k = 0.0;
+    let fresh = least_ms(|| {
+        k += 1.0;
+        torso(k).fitted(10.0).unwrap()
+    });
+    let cover = least_ms(|| {
+        k += 1.0;
+        torso(1.0).fitted(10.0 + 0.1 * k).unwrap()
+    });
+    println!("torso and fit {fresh:.1} ms, a fit under another cover {cover:.1} ms");
+    for nodes in [33, 65] {
+        let mut usual = Scene::opening();
+        usual.solver.nodes_per_side = nodes;
+        for (name, scene) in [("opening plan", usual), ("on the torso", opening(nodes))] {
+            let checked = CheckedScene::new(scene.clone()).unwrap();
+            let check = least_ms(|| CheckedScene::new(scene.clone()).unwrap());
+            let solve = least_ms(|| simulate::run(&checked, Options::default(), None));
+            let Simulation { outcome, solution } = solved(&scene);
+            let strain = outcome.strain.map(|strain| strain.max_principal);
+            println!(
+                "{nodes}, {name}: {:.1} work units, {solve:.1} ms, check {check:.1} ms, {:.1?} N, strain {strain:.3?}, cover {:.1?}",
+                solution.report().work_units,
+                outcome.contact_force_n,
+                outcome.cover_mm
+            );
+        }
+    }
+    for (nodes, count) in [(33, 200), (65, 50)] {
+        let (refused, converged, by_multigrid, work) = run(count, nodes, 44);
+        let (median, most) = (work[work.len() / 2], work[work.len() - 1]);
+        println!(
+            "{nodes}: refused {refused}, converged {converged}, by multigrid {by_multigrid} of {count}, work units: median {median:.0}, most {most:.0}"
+        );
+        assert!(refused == 0 && 200 * by_multigrid >= 199 * count, "{refused} {by_multigrid}");
+    }
+}
+
+#[test]
+fn at_zero_insertion_every_vertex_of_the_torso_keeps_its_bits() {
+    let mut scene = opening(33);
+    scene.insertion = 0.0;
+    let (before, after) = after(&scene, &solved(&scene).solution);
+    let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
+    assert!(before.positions.iter().map(bits).eq(after.positions.iter().map(bits)));
+}
+
+/// The skin gains what the inner face gains, within 1 % of the tissue's volume.
+#[test]
+fn the_torsos_tissue_keeps_its_volume() {
+    let scene = opening(33);
+    let Simulation { solution, outcome } = solved(&scene);
+    let (before, after) = after(&scene, &solution);
+    let sheet = solution.problem().sheet();
+    let n = sheet.nodes_per_side();
+    let mut inner =
+        Surface { positions: solution.problem().rest.nodes(0).collect(), ..Surface::default() };
+    for (j, i) in (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (j, i))) {
+        let corners = sheet.corners(i, j);
+        inner.triangles.extend([1, 3].map(|k| CELL_TRIANGLES[k].map(|c| corners[c] as u32)));
+    }
+    let lifted = Surface { positions: solution.inner().to_vec(), ..inner.clone() };
+    let (skin, inside) = (gained_ml(&before, &after), gained_ml(&inner, &lifted));
+    let fitted = scene.fitted_torso().unwrap().unwrap();
+    let fit = &fitted.fit;
+    let within = (0..fit.grid.len()).filter(|node| fit.grid.place(*node).length() <= 110.0);
+    let depth = within.map(|node| fit.skin_mm[node] - fit.wall_mm[node]).sum::<f64>();
+    let tissue = depth * fit.grid.spacing_mm.powi(2) / 1e3;
+    println!("skin gains {skin:.1} ml, inner face {inside:.1} ml, tissue {tissue:.0} ml");
+    assert!((skin - inside).abs() < 0.01 * tissue, "{skin} {inside} {tissue}");
+    assert!((220.0..300.0).contains(&outcome.implant_volume_ml.max(inside)), "{inside}");
+}
+
+/// A file holds the torso by its numbers, and a part of them is enough.
+#[test]
+fn a_torso_is_read_and_written_by_its_numbers() {
+    let scene = opening(33);
+    let text = scene.to_json();
+    assert!(text.len() < 4000 && text.contains("\"breast_volume_ml\": 130.0"), "{text}");
+    assert_eq!(Scene::from_json(&text).unwrap(), scene);
+    let read = |chest: &str| {
+        Scene::from_json(&format!(r#"{{ "implant": {{ "base_radius_mm": 60 }}, {chest} }}"#))
+    };
+    let part = read(r#""chest": { "torso": { "breast_volume_ml": 250 } }"#).unwrap();
+    let whole = Torso { breast_volume_ml: 250.0, ..Torso::default() };
+    assert_eq!((part.torso, part.chest), (Some(whole), None));
+    let field =
+        r#""thickness_field": { "spacing_mm": 50, "columns": 6, "rows": 6, "factors": [1] }"#;
+    for (rest, expected) in [
+        (
+            r#""chest": { "torso": { "breast_volume_ml": 900 } }"#.to_owned(),
+            "chest.torso.breast_volume_ml is 900; allowed: 80 to 500 ml",
+        ),
+        (
+            r#""chest": { "torso": { "volume": 9 } }"#.to_owned(),
+            "chest.torso.volume: unknown field",
+        ),
+        (
+            r#""chest": { "torso": {}, "radius_across_mm": 140 }"#.to_owned(),
+            "chest: torso beside radii or a grid",
+        ),
+        (r#""chest": { "torso": null }"#.to_owned(), "chest.torso is null"),
+        (
+            format!(r#""chest": {{ "torso": {{}} }}, {field}"#),
+            "thickness_field is given; allowed: no field with chest.torso",
+        ),
+        (
+            r#""chest": { "torso": {} }, "patch_radius_mm": 200"#.to_owned(),
+            "patch_radius_mm is 200; allowed: up to 180 mm",
+        ),
+        (
+            r#""chest": { "torso": {} }, "tissue_model": "sheet""#.to_owned(),
+            "chest is curved; allowed: no chest with tissue_model sheet",
+        ),
+    ] {
+        let line = read(&rest).unwrap_err().to_string();
+        assert!(line.starts_with(expected) && !line.contains('\n'), "{line}");
+    }
+}
+
+/// The wall and the tissue depend on the torso and on the layers alone, also beyond the fitted patch.
+#[test]
+fn a_torso_carries_pockets_of_all_widths() {
+    for pocket in [66.0, 80.0, 100.0, 120.0] {
+        let mut scene = opening(33);
+        scene.set_pocket_radius(pocket);
+        assert_eq!(scene.validate(), Ok(()), "{pocket}");
+    }
+}
