@@ -57,14 +57,7 @@ fn base(
         return;
     }
     let mut is_set = measured.base_width_mm.is_some();
-    let row = ui.horizontal(|ui| {
-        let check = ui.checkbox(&mut is_set, tr("Keep the breast's base"));
-        if measured.base_width_mm.is_none() {
-            ui.weak(format!("{} cm", format_at_most(cm(new_base(scene)), 1, 1)));
-        }
-        check
-    });
-    let check = row.inner;
+    let check = ui.checkbox(&mut is_set, tr("Keep the breast's base"));
     if check
         .on_hover_text(tr("Else practice's volume is that of a breast as wide as the implant"))
         .changed()
