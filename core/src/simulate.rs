@@ -112,6 +112,9 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
         outcome.warnings.push(format!("nodes_per_side {asked} was rounded to {given}."));
     }
     outcome.implant_reference.clone_from(&scene.implant_reference);
+    if let Some(cover) = outcome.cover_mm.as_mut().filter(|_| scene.body.plane.is_some()) {
+        cover.without_muscle = measure::cover_without_innermost(fields.solution(), cover);
+    }
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
     outcome.warnings.extend(scene.curve_warnings());

@@ -1,6 +1,6 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
-use super::{Scene, SceneError, SkinState, field, limits, out_of_range};
+use super::{Plane, Scene, SceneError, SkinState, field, limits, out_of_range};
 use crate::curve::{Curve, present, whole_of};
 use crate::mesh::{Attachment, Edge, Patch, balanced_cells};
 use crate::springs::Springs;
@@ -30,6 +30,9 @@ pub struct Body {
     /// The tension of the skin at rest.
     #[serde(skip_serializing_if = "is_default")]
     pub skin_state: SkinState,
+    /// The plane of the pocket; `None`: above the muscle, or below an innermost layer that is as the others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane: Option<Plane>,
 }
 
 fn is_default(state: &SkinState) -> bool {
@@ -130,6 +133,7 @@ impl Body {
             patch_radius_mm: (pocket_radius_mm + MARGIN_MM).min(limits::PATCH_RADIUS_MAX_MM),
             attachment: AttachmentSettings::default(),
             skin_state: SkinState::default(),
+            plane: None,
         }
     }
 
@@ -174,6 +178,7 @@ impl Scene {
         if tissue_model == TissueModel::Sheet {
             self.set_chest(None);
             self.thickness_field = None;
+            self.body.plane = None;
             self.body.skin_state = SkinState::default();
         }
         if tissue_model == TissueModel::Layered {
@@ -199,6 +204,7 @@ impl Scene {
     /// Checks cells and springs of layered tissue.
     pub(super) fn check_body(&self) -> Result<(), SceneError> {
         self.check_skin_state()?;
+        self.check_plane()?;
         if !self.is_layered() {
             return Ok(());
         }

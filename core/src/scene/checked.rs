@@ -152,6 +152,7 @@ impl CheckedScene {
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());
                 }
+                let rest = rest.tapered(self.scene.muscle_taper(&self.materials));
                 (Tissue::Layered, rest.stretched(self.natural).growing(body.skin_state.grown))
             }
         };

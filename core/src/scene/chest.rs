@@ -1,6 +1,6 @@
 //! The chest wall of a scene: flat where the scene has none, otherwise curved by two radii.
 
-use super::{Field, Scene, SceneError, field, out_of_range};
+use super::{Field, Plane, Scene, SceneError, field, out_of_range};
 use crate::curve::number;
 use crate::mesh::Chest;
 use glam::DVec2;
@@ -87,7 +87,8 @@ impl Scene {
             self.torso.is_none() && self.chest_grid.is_none() && self.thickness_field.is_none();
         let is_turned = self.chest.is_none() || self.is_sphere();
         let is_skin_turned = self.body.skin_state.is_turned();
-        is_centred && is_even && self.implant.is_round() && is_turned && is_skin_turned
+        let is_whole = self.body.plane.is_none_or(|plane| plane == Plane::Below);
+        is_centred && is_whole && is_even && self.implant.is_round() && is_turned && is_skin_turned
     }
 
     /// Is the chest a sphere?

@@ -151,9 +151,8 @@ impl Scene {
         thickness: Option<&ThicknessField>,
     ) -> Option<Continuation> {
         let HeightsGrid { spacing_mm, columns, rows, heights_mm, .. } = grid;
-        let skin = self.layers[0].thickness_mm;
-        let solids = self.tissue_mm() - skin;
-        let thickest = skin + solids * thickness.map_or(1.0, ThicknessField::greatest);
+        let [even, solids] = self.even_and_uneven_mm();
+        let thickest = even + solids * thickness.map_or(1.0, ThicknessField::greatest);
         Continuation::new(
             (*spacing_mm, [*columns, *rows]),
             heights_mm,
@@ -169,9 +168,8 @@ impl Scene {
 
     /// Thickness of the tissue as a function of lengths along the wall \[mm\].
     fn tissue_at(&self, thickness: Option<&ThicknessField>) -> impl Fn(DVec2) -> f64 {
-        let skin = self.layers[0].thickness_mm;
-        let solids = self.tissue_mm() - skin;
-        move |along| skin + solids * thickness.map_or(1.0, |field| field.factor(along))
+        let [even, solids] = self.even_and_uneven_mm();
+        move |along| even + solids * thickness.map_or(1.0, |field| field.factor(along))
     }
 
     /// Points of a wall and normals on a ring of the check.

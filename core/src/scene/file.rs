@@ -6,8 +6,8 @@ use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    Patient, Placement, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid,
-    TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
+    Patient, Placement, Plane, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings,
+    ThicknessGrid, TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
 };
 use crate::clinical::When;
 use crate::curve::{List, given, given_object, object, present, present_object};
@@ -159,6 +159,11 @@ pub(super) struct SceneFile {
     /// Of layered tissue: tension of the skin at rest. Default: none.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) skin_state: Option<SkinState>,
+    /// Of layered tissue: the plane of the pocket, below a muscle that is the innermost layer; added where the layers end without one. Default: above the
+    /// muscle.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "Plane")]
+    pub(super) plane: Option<Plane>,
     /// Time after the operation, in place of `skin_state.relaxed` and `skin_state.grown`. A written scene has those.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "When")]
@@ -324,6 +329,7 @@ impl SceneFile {
             patch_radius_mm: patch_radius_mm.unwrap_or(default.patch_radius_mm),
             attachment: file.attachment.unwrap_or_default(),
             skin_state: skin_state(file.skin_state.unwrap_or_default(), file.when)?,
+            plane: file.plane,
             ..default
         };
         // For each layer of the file the fields that a patient may fill.
@@ -360,6 +366,7 @@ impl SceneFile {
             springs: file.springs,
             solver: file.solver,
         };
+        scene.add_muscle();
         match file.patient {
             Some(patient) => patient.fill(&mut scene, &given)?,
             None => scene.patient = beside.and_then(|beside| beside.patient.clone()),

@@ -59,13 +59,19 @@ impl Scene {
         Ok(Some(found))
     }
 
+    /// Thickness of the layers that the field leaves as they are, the skin and the muscle of a plane, and of those that it thickens \[mm\].
+    pub(super) fn even_and_uneven_mm(&self) -> [f64; 2] {
+        let muscle = self.layers.last().filter(|_| self.body.plane.is_some());
+        let even = self.layers[0].thickness_mm + muscle.map_or(0.0, |layer| layer.thickness_mm);
+        [even, self.tissue_mm() - even]
+    }
+
     /// Checks that the solids, thickened by a factor at most, leave cells in a hollow.
     fn check_hollow(&self, factor: f64) -> Result<(), SceneError> {
         let Some(chest) = &self.chest else { return Ok(()) };
         let least = chest.least_hollow_mm();
-        let skin = self.layers[0].thickness_mm;
-        let most =
-            (least / LEAST_OF_TISSUE - skin) / (self.tissue_mm() - skin).max(f64::MIN_POSITIVE);
+        let [even, solids] = self.even_and_uneven_mm();
+        let most = (least / LEAST_OF_TISSUE - even) / solids.max(f64::MIN_POSITIVE);
         if factor <= most {
             return Ok(());
         }

@@ -47,6 +47,7 @@ impl Cases {
         let gel = scene.implant.fill.map(Fill::gel);
         words
             .extend(gel.map_or([u64::MAX; 2], |gel| [gel.modulus_kpa, gel.shell_kpa_mm].map(bits)));
+        words.push(scene.body.plane.map_or(0, |plane| 1 + plane as u64));
         words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         words.push(self.grids(scene));
         Key(words.into())

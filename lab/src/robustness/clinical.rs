@@ -12,11 +12,15 @@ use super::{
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{Field, Fill, Scene, SkinState};
+use implant_preview_core::scene::{Field, Fill, Plane, Scene, SkinState};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
 
+/// Thickness of the muscle's belly \[mm\].
+const MUSCLE_MM: (f64, f64) = (6.0, 12.0);
+/// Logarithm of the scale of the muscle's stress \[-\]: 3 to 30 kPa.
+const MUSCLE_LOG_SCALE: (f64, f64) = (-0.510_8, 1.791_8);
 /// Base radius \[mm\].
 const BASE_RADIUS_MM: (f64, f64) = (45.0, 75.0);
 /// Volume of the implant \[ml\].
@@ -69,6 +73,9 @@ pub struct Clinical {
     /// Has every implant one of the fills, or is rigid?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_fill: bool,
+    /// Is every pocket above, partly or wholly below a muscle of any thickness and stiffness?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_plane: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -86,6 +93,7 @@ impl Default for Clinical {
             has_tension: false,
             has_growth: false,
             has_fill: false,
+            has_plane: false,
             nodes_per_side: 65,
             measures_errors: false,
         }
@@ -145,6 +153,14 @@ impl Clinical {
         scene.set_pocket_radius(radius + normal(rng, MARGIN_MM).max(0.0));
         scene.solver.nodes_per_side = self.nodes_per_side;
         scene.solver.tolerance = 1e-3;
+        if self.has_plane {
+            let plane = rng.usize(0..=Plane::ALL.len());
+            scene.set_plane(Plane::ALL.get(plane).copied());
+            if let (Some(muscle), true) = (scene.layers.last_mut(), scene.body.plane.is_some()) {
+                muscle.thickness_mm = uniform(rng, MUSCLE_MM);
+                muscle.curve.stress_scale = uniform(rng, MUSCLE_LOG_SCALE).exp();
+            }
+        }
         if self.has_chest {
             chest::patient(rng, &mut scene);
             chest::fullness(rng, &mut scene);

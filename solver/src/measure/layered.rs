@@ -19,6 +19,18 @@ pub struct Cover {
     pub least: f64,
     /// Where the least cover is: x and y of the skin's outer surface \[mm\].
     pub least_at_mm: [f64; 2],
+    /// The cover without the muscle over the implant, of a plan with a plane of the pocket; otherwise absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub without_muscle: Option<CoverWithoutMuscle>,
+}
+
+/// Thickness of the tissue between the muscle over the implant and the outer skin surface \[mm\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CoverWithoutMuscle {
+    /// Above the implant's highest point.
+    pub apex: f64,
+    /// The least one: the distance from the implant's dome less the muscle's thickness.
+    pub least: f64,
 }
 
 /// Area of the skin's membrane \[cm²\].
@@ -270,7 +282,38 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
             least = (distance, [point.x, point.y]);
         }
     }
-    Some(Cover { apex: height - dome.top(), least: least.0, least_at_mm: least.1 })
+    let [x, y] = least.1;
+    Some(Cover {
+        apex: height - dome.top(),
+        least: least.0,
+        least_at_mm: [x, y],
+        without_muscle: None,
+    })
+}
+
+/// The cover of a solution without its innermost layer, the muscle.
+#[must_use]
+pub fn cover_without_innermost(solution: &Solution, cover: &Cover) -> Option<CoverWithoutMuscle> {
+    let stack = solution.stack();
+    let thickness = stack.thickness_mm.last()?;
+    let dome = &solution.problem().obstacle.dome;
+    let rest = &solution.problem().rest;
+    let of_draped = if rest.is_even() { 1.0 } else { LEAST_OF_DRAPED };
+    let apex = dome.apex();
+    let mut at_apex = (f64::INFINITY, 0.0);
+    let mut least = f64::INFINITY;
+    for node in free_nodes(solution) {
+        let own = rest.innermost_part(node) * f64::from(thickness[node]);
+        let apart = solution.inner()[node].distance_squared(apex);
+        if apart < at_apex.0 {
+            at_apex = (apart, own);
+        }
+        let outer = solution.outer_surface_at(node).as_dvec3();
+        if dome.least_distance(outer) * of_draped - own <= least {
+            least = least.min(dome.closest_point(outer).0 - own);
+        }
+    }
+    Some(CoverWithoutMuscle { apex: cover.apex - at_apex.1, least })
 }
 
 /// Height of the skin's outer surface over the apex above the wall \[mm\]: the apex's, and the tissue's along the wall's normal.

@@ -27,7 +27,9 @@ pub use crate::model::membrane::stack::Stack;
 pub use column::{Column, ColumnError, Kind};
 pub use fields::{Field, Fields};
 pub use in_body::{ImplantInBody, Yielded};
-pub use layered::{Cover, SkinArea, Thickness, Traction};
+pub use layered::{
+    Cover, CoverWithoutMuscle, SkinArea, Thickness, Traction, cover_without_innermost,
+};
 pub use outcome::{
     AddedStrains, LayerOutcome, Outcome, PatientValue, Pressure, ProfilePoint, SolverMethod,
     SolverOutcome, Status, Strains,

@@ -3,8 +3,9 @@
 //! The columns stand on the wall's normals, the inner face rests on the wall, and the cells of a layer have one height, or one times a
 //! factor that differs from place to place.
 
+use super::taper::Column;
 use super::{
-    Chest, Grown, NaturalStretch, NodeKind, Sheet, ThicknessField, coarser_nodes_per_side,
+    Chest, Grown, NaturalStretch, NodeKind, Sheet, Taper, ThicknessField, coarser_nodes_per_side,
 };
 use glam::{DMat2, DVec2, DVec3};
 use std::cell::LazyCell;
@@ -33,8 +34,10 @@ pub struct Rest {
     /// Heights of the layers of nodes above the wall \[mm\], from the inner face outwards.
     heights: Vec<f64>,
     chest: Chest,
-    /// Factor of all heights; `None` for even thickness.
+    /// Factor of all heights, with a taper of those above the innermost solid; `None` for even thickness.
     thickness: Option<ThicknessField>,
+    /// Edge of the innermost solid, which then has a thickness of its own; `None`: it is a solid as the others.
+    taper: Option<Taper>,
     /// Foot \[mm\] and direction of each column, whose length is the factor of the thickness; empty for even thickness over a
     /// flat wall.
     columns: Arc<[(DVec3, DVec3)]>,
@@ -75,6 +78,7 @@ impl Rest {
             heights,
             chest: Chest::Flat,
             thickness: None,
+            taper: None,
             columns: Arc::default(),
             natural: None,
             growth: 0.0,
@@ -93,6 +97,19 @@ impl Rest {
     pub fn thickened(self, thickness: ThicknessField) -> Self {
         let thickness = Some(thickness).filter(|field| !field.is_even());
         Self { thickness, ..self }.placed(|_, _| None)
+    }
+
+    /// The same layers with an innermost solid that ends at an edge, and whose thickness the field of thickness leaves as it is.
+    #[must_use]
+    pub fn tapered(self, taper: Option<Taper>) -> Self {
+        let is_plain = |taper: &Taper| taper.is_whole() && self.thickness.is_none();
+        let taper = taper.filter(|taper| !is_plain(taper) && !self.cells.is_empty());
+        Self { taper, ..self }.placed(|_, _| None)
+    }
+
+    /// Do the layers have thicknesses of their own from place to place?
+    pub(crate) fn is_tapered(&self) -> bool {
+        self.taper.is_some()
     }
 
     /// The same layers under skin that is stretched at rest; layered tissue only.
@@ -139,7 +156,7 @@ impl Rest {
     /// the wall.
     fn placed(mut self, known: impl Fn(usize, DVec2) -> Option<(DVec3, DVec3)>) -> Self {
         self.columns = Arc::default();
-        if self.chest == Chest::Flat && self.thickness.is_none() {
+        if self.chest == Chest::Flat && self.thickness.is_none() && self.taper.is_none() {
             return self;
         }
         let (places, kinds) = (self.sheet.rest(), self.sheet.kinds());
@@ -188,7 +205,8 @@ impl Rest {
         let (wall, field) = (self.chest.mirrored(), self.thickness.as_ref());
         let thickness = field.map_or([true; 2], ThicknessField::mirrored);
         let natural = self.natural().map_or([true; 2], NaturalStretch::mirrored);
-        [0, 1].map(|axis| wall[axis] && thickness[axis] && natural[axis])
+        let taper = [true, self.taper.is_none_or(|taper| taper.is_whole())];
+        [0, 1].map(|axis| wall[axis] && thickness[axis] && natural[axis] && taper[axis])
     }
 
     /// Is the tissue the same but for the grid?
@@ -196,6 +214,7 @@ impl Rest {
         self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
             && self.cells == other.cells
             && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
+            && self.taper == other.taper
             && (&self.natural, &self.grown) == (&other.natural, &other.grown)
     }
 
@@ -214,7 +233,52 @@ impl Rest {
             return self.sheet.rest()[node].extend(self.heights[layer]);
         }
         let (foot, up) = self.columns[node];
-        foot + up * self.heights[layer]
+        match self.taper {
+            None => foot + up * self.heights[layer],
+            Some(taper) => self.node_of_tapered(taper, layer, node),
+        }
+    }
+
+    /// [`Self::node`] where the innermost solid has a thickness of its own. Where it ends, all solids together are as thick as without it.
+    fn node_of_tapered(&self, taper: Taper, layer: usize, node: usize) -> DVec3 {
+        let (foot, up) = self.columns[node];
+        let Column { there, cells, .. } = self.inner_column(taper, node);
+        let (whole, height) = (self.inner_solid_mm(), self.heights[layer]);
+        let normal = up.normalize();
+        if height <= whole {
+            return foot + normal * (cells * height / whole);
+        }
+        let above = self.heights[self.layers() - 1] - whole;
+        let part = (height - whole) / above;
+        foot + normal * (cells + (there - cells) * part) + up * (above * part)
+    }
+
+    /// The innermost solid at a node.
+    fn inner_column(&self, taper: Taper, node: usize) -> Column {
+        let place = self.sheet.rest()[node].clamp_length_max(self.sheet.radius_mm());
+        let whole = self.inner_solid_mm();
+        let above = self.heights[self.layers() - 1] - whole;
+        taper.column(place, whole, above * self.columns[node].1.length())
+    }
+
+    /// The part of the innermost cells at a node that is the innermost solid \[-\].
+    pub(crate) fn innermost_part(&self, node: usize) -> f64 {
+        self.taper.map_or(1.0, |taper| {
+            let Column { there, cells, .. } = self.inner_column(taper, node);
+            there / cells
+        })
+    }
+
+    /// Factor of the law of a cell of a layer with these corners \[-\].
+    pub(crate) fn law_factor(&self, layer: usize, corners: &[usize]) -> f64 {
+        let Some(taper) = self.taper.filter(|_| self.cells[layer].solid == 0) else { return 1.0 };
+        let laws = corners.iter().map(|&node| self.inner_column(taper, node).law);
+        laws.sum::<f64>() / corners.len() as f64
+    }
+
+    /// Thickness of the innermost solid \[mm\]; 0 without solids.
+    fn inner_solid_mm(&self) -> f64 {
+        self.outer_faces().next().map_or(0.0, |layer| self.heights[layer])
     }
 
     /// Area of a cell of the inner face with these corners \[mm²\]; a cell across the patch's border counts as one of the plane.

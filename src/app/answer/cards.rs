@@ -236,15 +236,20 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
 }
 
 fn cover_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -> Card {
-    let line = match answer.apex {
-        Some(apex) => {
+    let line = match (answer.apex, answer.without_muscle) {
+        (Some(_), Some(thin)) => tr!(
+            "without the muscle {least:.1} mm, {apex:.1} over the highest point",
+            least = thin.least,
+            apex = thin.apex
+        ),
+        (Some(apex), None) => {
             tr!(
                 "{cover} over the implant's highest point",
                 cover = sampled.in_line(Quantity::ApexCoverMm, apex)
             )
         }
-        None if answer.is_layered => String::new(),
-        None => tr("needs “Skin on solid layers” (Advanced)").to_owned(),
+        (None, _) if answer.is_layered => String::new(),
+        (None, _) => tr("needs “Skin on solid layers” (Advanced)").to_owned(),
     };
     let brackets = sampled.brackets(Quantity::LeastCoverMm, true);
     Card {

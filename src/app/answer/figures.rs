@@ -4,7 +4,7 @@ use super::practice::{Against, Practices};
 use crate::app::texts::{self, tr, word_of};
 use crate::clinical::STEP_ML;
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
-use crate::measure::{Outcome, STRAIN_BANDS};
+use crate::measure::{CoverWithoutMuscle, Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::Parameter;
@@ -34,6 +34,8 @@ pub(super) struct Answer {
     pub(super) cover: Option<f64>,
     /// Thickness over the implant's highest point \[mm\].
     pub(super) apex: Option<f64>,
+    /// Both without the muscle, of a pocket below it.
+    pub(super) without_muscle: Option<CoverWithoutMuscle>,
     /// Thickness at rest \[mm\].
     pub(super) rest: f64,
     /// Does the tissue have a cover, or is it one sheet?
@@ -85,6 +87,7 @@ impl Answer {
             share: share.unwrap_or(0.0),
             cover: cover.map(|cover| cover.least),
             apex: cover.map(|cover| cover.apex),
+            without_muscle: cover.and_then(|cover| cover.without_muscle),
             is_layered: scene.is_layered(),
             rest: scene.layers.iter().map(|layer| layer.thickness_mm).sum(),
             pressure: outcome.and_then(|o| o.contact_pressure_mmhg).map(|p| (p.mean, p.max)),

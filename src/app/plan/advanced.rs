@@ -2,7 +2,7 @@
 //! springs.
 
 use super::device::Device;
-use super::{fat, fill, when};
+use super::{fat, fill, pocket, when};
 use crate::app::answer::stability;
 use crate::app::curve_editor;
 use crate::app::frame::research;
@@ -37,6 +37,7 @@ pub(crate) fn tissue(
             fill::fill(ui, scene);
         }
         fat::show(ui, scene, hand);
+        pocket::plane(ui, scene, hand);
         when::show(ui, scene, hand);
         layers(ui, scene)
     });
@@ -72,7 +73,7 @@ pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
 /// Is the model the usual one: skin on solid layers, standard law, patch and attachment of every plan?
 fn is_standard(scene: &Scene) -> bool {
     let usual = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
-    let body = Body { skin_state: usual.skin_state, ..scene.body };
+    let body = Body { skin_state: usual.skin_state, plane: usual.plane, ..scene.body };
     scene.springs == Springs::Coupled && body == usual
 }
 

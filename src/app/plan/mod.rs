@@ -1,7 +1,7 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin) | `plain` (numbers shown by their rows alone) | `position`
+//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin, plane) | `plain` (numbers shown by their rows alone) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`) | `when` (the skin at rest, and the time after the operation).
 
@@ -96,6 +96,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         time,
         scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
+        pocket::plane_in_words(scene).map(|words| (tr("Plane of the pocket"), words.to_owned())),
         Some((
             tr("Position"),
             tr!("{side} to the side, {up} up", side = centimetres(x), up = centimetres(y)),

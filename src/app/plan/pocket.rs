@@ -1,10 +1,40 @@
-//! The pocket as a margin around the implant.
+//! The pocket: its margin around the implant, and its plane.
 
-use super::{Hand, cm, mm, row, title};
+use super::{Hand, chip, chips, cm, mm, row, title};
 use crate::app::texts::tr;
-use crate::app::widgets::{Control, quantity};
-use crate::scene::{Field, Scene, limits};
+use crate::app::widgets::{Control, group, quantity};
+use crate::scene::{Field, Plane, Scene, limits};
 use eframe::egui::{RichText, Ui};
+
+/// A plane: its name on a chip and what it means.
+const PLANES: [(Option<Plane>, &str, &str); 5] = [
+    (None, "Above", "Above the muscle: skin, fat and gland cover the implant."),
+    (
+        Some(Plane::DualPlaneI),
+        "Dual I",
+        "Dual plane I: the muscle covers the implant down to the fold.",
+    ),
+    (
+        Some(Plane::DualPlaneIi),
+        "II",
+        "Dual plane II: the muscle covers the implant down to the lower edge of the areola.",
+    ),
+    (
+        Some(Plane::DualPlaneIii),
+        "III",
+        "Dual plane III: the muscle covers the implant down to the upper edge of the areola.",
+    ),
+    (
+        Some(Plane::Below),
+        "Below",
+        "Below the muscle, 8 mm of 5 kPa at rest: an estimate (6–12 mm, 3–30 kPa). It does not contract here.",
+    ),
+];
+
+/// The plane in words, of a plan below the muscle.
+pub(super) fn plane_in_words(scene: &Scene) -> Option<&'static str> {
+    scene.body.plane.map(|plane| tr(plane.words()))
+}
 
 /// Shows the margin of the pocket.
 pub(crate) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
@@ -17,6 +47,22 @@ pub(crate) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if row(ui, hand, control, &mut margin, (0.0, |_: &mut Ui| {})).is_changed {
         set_margin(scene, margin);
     }
+}
+
+/// Shows the plane of the pocket; nothing for a sheet.
+pub(crate) fn plane(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    if !scene.is_layered() {
+        return;
+    }
+    group(ui, tr("Plane of the pocket"), |ui| {
+        chips(ui, |ui| {
+            for (plane, name, about) in PLANES {
+                if chip(ui, hand, scene.body.plane == plane, tr(name), tr(about)) {
+                    scene.set_plane(plane);
+                }
+            }
+        });
+    });
 }
 
 /// The control of the margin, and the margin \[cm\].

@@ -209,6 +209,7 @@ fn kept(fitted: &Scene, plan: &Scene) -> Result<Scene, crate::scene::SceneError>
         }
     } else {
         scene.layers.clone_from(&fitted.layers);
+        scene.set_plane(plan.body.plane);
     }
     let pinch_mm = fitted.measured().pinch_mm;
     scene.apply_patient(Measurements { pinch_mm, ..plan.measured() })?;

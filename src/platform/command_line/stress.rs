@@ -58,6 +58,9 @@ pub(super) struct Arguments {
     /// Clinical population: every implant has one of the fills, or is rigid.
     #[arg(long, requires = "clinical")]
     fill: bool,
+    /// Clinical population: every pocket is above, partly or wholly below the muscle, 6 to 12 mm of 3 to 30 kPa.
+    #[arg(long, requires = "clinical")]
+    plane: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -115,6 +118,7 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         has_tension: arguments.skin_tension,
         has_growth: arguments.skin_growth,
         has_fill: arguments.fill,
+        has_plane: arguments.plane,
         nodes_per_side: nodes,
         measures_errors: measure_errors,
     };

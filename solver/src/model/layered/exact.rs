@@ -232,7 +232,7 @@ impl Exact<'_> {
             sides,
             skew: Some(skew),
             variation: Variation::of_sides(&sides),
-            volume: volume * cell.share() * spacing,
+            volume: self.rest.law_factor(layer, &cell.corners) * volume * cell.share() * spacing,
         }
     }
 

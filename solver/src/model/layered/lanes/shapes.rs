@@ -63,6 +63,8 @@ pub(super) struct CurvedLayers {
     /// Of the cell at each stored node, shape (layers, stored nodes): 𝐉⁻¹ by columns, volume over spacing² and nominal height.
     sides: [Vec<f32>; 9],
     weight: Vec<f32>,
+    /// Twists and d of layers with thicknesses of their own, shape (layers, stored nodes); empty: those below.
+    skews: Vec<Vec<f32>>,
     /// Of the cells at each stored node: the twist b₁₂ of the inner face, then those parts of the columns' directions
     /// that are sums over the corners with the signs ξ, η, ξη.
     twist: [Vec<f32>; 3],
@@ -87,6 +89,12 @@ impl Layers for CurvedLayers {
         };
         let of_side = |side: usize| three(&self.sides[3 * side..], at);
         let sides = Oblique([of_side(0), of_side(1), of_side(2)]);
+        let weight = load(&self.weight, at);
+        if !self.skews.is_empty() {
+            let part = |part: usize| three(&self.skews[3 * part..], at);
+            let skew = Skew { twist: [part(0), part(1), part(2)], d: part(3) };
+            return Own { sides, variation: Variation::of_sides(&sides), weight, skew };
+        }
         let direction = |sign: usize| three(&self.directions[3 * sign..], k);
         let [middle, height] = self.heights[layer];
         let (along, half) = (direction(2), height * f32x4::HALF);
@@ -99,7 +107,6 @@ impl Layers for CurvedLayers {
             ],
             d: scale(along, height),
         };
-        let weight = load(&self.weight, at);
         Own { sides, variation: Variation::of_sides(&sides), weight, skew }
     }
 
@@ -131,6 +138,7 @@ impl CurvedLayers {
         let mut curved = Self {
             sides: [0; 9].map(|_| zeros(length * layers)),
             weight: zeros(length * layers),
+            skews: Vec::new(),
             twist: [0; 3].map(|_| zeros(length)),
             directions: [0; 9].map(|_| zeros(length)),
             heights: heights.iter().map(|pair| pair.map(|h| f32x4::splat(h as f32))).collect(),
@@ -138,6 +146,9 @@ impl CurvedLayers {
             border: Vec::new(),
             groups: 0,
         };
+        if rest.is_tapered() {
+            curved.skews = (0..12).map(|_| zeros(length * layers)).collect();
+        }
         let at = |layer: usize, k: usize| (rest.node(layer, k) * per_spacing).to_array();
         for (j, &(from, to)) in layout.regular.iter().enumerate() {
             for i in from as usize..to as usize {
@@ -155,14 +166,23 @@ impl CurvedLayers {
                     }
                 }
                 for (layer, [middle, height]) in heights.iter().enumerate() {
-                    let linear = middle_of(&inner, &outer, [middle / total, height / total]);
-                    let modes = Modes { linear, ..Modes::default() };
-                    let (Oblique(sides), _, volume) = sides::of_rest(&modes);
+                    let modes = if rest.is_tapered() {
+                        modes(&face(layer), &face(layer + 1))
+                    } else {
+                        let linear = middle_of(&inner, &outer, [middle / total, height / total]);
+                        Modes { linear, ..Modes::default() }
+                    };
+                    let (Oblique(sides), skew, volume) = sides::of_rest(&modes);
                     let at = k + layer * length;
+                    let skews = skew.twist.as_flattened().iter().chain(&skew.d);
+                    for (array, value) in curved.skews.iter_mut().zip(skews) {
+                        array[at] = *value as f32;
+                    }
                     for (array, value) in curved.sides.iter_mut().zip(sides.as_flattened()) {
                         array[at] = *value as f32;
                     }
-                    curved.weight[at] = (volume / height) as f32;
+                    let law = rest.law_factor(layer, &corners);
+                    curved.weight[at] = (volume / height * law) as f32;
                 }
             }
         }
@@ -179,7 +199,8 @@ impl CurvedLayers {
                     cell.gather(|k: usize| -> DVec3 { rest.node(layer, k) * per_spacing })
                 };
                 let (sides, skew, volume) = sides::of_rest(&modes(&face(layer), &face(layer + 1)));
-                (sides, skew, volume * cell.share() / (height * cell.area))
+                let law = rest.law_factor(layer, &cell.corners);
+                (sides, skew, law * volume * cell.share() / (height * cell.area))
             };
             self.border.extend(cells.chunks(4).map(|four| {
                 let shapes = [0, 1, 2, 3].map(|lane| shape(&four[lane.min(four.len() - 1)]));
