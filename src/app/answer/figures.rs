@@ -183,6 +183,7 @@ mod tests {
             share: 0.0,
             cover: Some(cover),
             apex: None,
+            without_muscle: None,
             rest: 10.0,
             is_layered: true,
             pressure: Some((0.8 * pressure, pressure)),

@@ -3,7 +3,7 @@
 use super::*;
 use crate::contact::{Deformed, Dome, HalfBall, MODES, Obstacle};
 use crate::curve::{Curve, CurveSpec, ScaledCurve};
-use crate::mesh::{Attachment, Chest, Edge, Patch, Rest, Sheet};
+use crate::mesh::{Attachment, Chest, Edge, NaturalStretch, Patch, Rest, Sheet};
 use crate::solve::{Method, Options, Problem, Progress, Tissue, samples};
 use crate::springs::{Material, Springs};
 use glam::DVec2;
@@ -143,4 +143,31 @@ fn the_work_of_the_insertion_is_the_energy_of_tissue_and_implant() {
     let [start, middle, end] = [from, 0.5 * (from + to), to].map(total);
     let work = (to - from) * 40.0 * (start.1 + 4.0 * middle.1 + end.1) / 6.0;
     assert!((work / (end.0 - start.0) - 1.0).abs() < 5e-3, "{work} {start:?} {end:?}");
+}
+
+/// Skin under tension that grows over an implant that yields: with the force a part of the flattening goes, the implant is in balance with the skin as it has
+/// grown, and the same implant as a given shape has the same force.
+#[test]
+fn the_skin_grows_and_the_implant_yields_together() {
+    let grown = |growth: f64, modulus_kpa: f64| {
+        let mut problem = soft(&tissue(33, &TORSO), modulus_kpa);
+        let natural = NaturalStretch::new([1.04, 1.04], 0.0);
+        problem.rest = problem.rest.stretched(natural).growing(growth);
+        problem
+    };
+    let [table, later] = [0.0, 0.8].map(|growth| solved(grown(growth, 20.0)));
+    assert!(!later.fell_back() && force(&later) < 0.7 * force(&table));
+    assert!(modes(&later)[0] > 0.01 && modes(&later)[0] < 0.8 * modes(&table)[0]);
+
+    let mut given = grown(0.8, f64::INFINITY);
+    given.obstacle.dome.set_modes(modes(&later));
+    let given = solved(given);
+    let difference = force(&given) / force(&later) - 1.0;
+    assert!(difference.abs() < 5e-3, "{difference}");
+    let own = later.problem().obstacle.dome.shape.soft().unwrap().gel().balance(modes(&later));
+    let work = given.solution().part_reactions().work(&given.solution());
+    for k in 0..4 {
+        let apart = (own.forces[k] - work.forces[k]).abs();
+        assert!(apart < 0.02 * 0.01 * own.stiffness[0][0], "{k} {own:?} {work:?}");
+    }
 }
