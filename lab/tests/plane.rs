@@ -7,7 +7,7 @@ use implant_preview_core::measure::{Outcome, SolverMethod, Status};
 use implant_preview_core::mesh::{NodeKind, Rest, Sheet, Taper};
 use implant_preview_core::scene::{CheckedScene, Plane, Scene};
 use implant_preview_core::simulate::{self, Simulation};
-use implant_preview_core::solve::{Method, Options, Problem, Solver};
+use implant_preview_core::solve::{Method, Options, Problem, Solver, Verdict};
 use implant_preview_lab::axisymmetric_layers::{self, Input};
 use serde_json::{Value, json};
 
@@ -85,11 +85,7 @@ fn below_the_muscle_the_result_is_that_of_the_axisymmetric_layers() {
             (point.r_mm - r).hypot(point.z_mm - z) / scene.implant.base_radius_mm
         });
         let skin = apart.fold(0.0, f64::max);
-        println!(
-            "{chest:?}: {:.2} N, {force:+.4}, skin {skin:.5} R",
-            found.contact_force_n.unwrap()
-        );
-        assert!(force.abs() < 0.01 && skin < 1.5e-3);
+        assert!(force.abs() < 0.01 && skin < 1.5e-3, "{chest:?}: {force}, {skin} R");
     }
 }
 
@@ -120,15 +116,16 @@ fn the_fat_keeps_its_thickness_where_the_muscle_ends() {
 fn an_edge_beyond_the_patch_changes_nothing() {
     for is_flat in [true, false] {
         let mut scene = plan(Some(Plane::Below), is_flat, 33);
-        scene.solver.tolerance = 1e-6;
+        scene.solver.tolerance = 1e-5;
         let whole = scene.problem().unwrap();
         let far = with_taper(whole.clone(), edge(-400.0));
         assert!(!far.rest.is_even());
         let [whole, far] = [whole, far].map(|problem| solve(problem, Method::Automatic));
+        assert_eq!([whole.verdict(), far.verdict()], [Verdict::Converged; 2]);
         let [all, skin] = apart(&whole, &far).map(|apart| apart / 60.0);
-        println!("{all:.1e}, skin {skin:.1e}");
-        // Cells on the patch's circle are stabilised otherwise in uneven tissue.
-        assert!(all < 1e-4 && skin < 1e-4);
+        // Cells on the patch's circle are stabilised otherwise in uneven tissue, with a muscle or without.
+        let most = if is_flat { 1e-4 } else { 1e-5 };
+        assert!(all < most && skin < most, "{all:e}, skin {skin:e}");
     }
 }
 
@@ -146,8 +143,7 @@ fn beyond_its_edge_the_muscle_is_none() {
         let kinds = plan(None, is_flat, 65).problem().unwrap().sheet().kinds().to_vec();
         let within = (0..kinds.len()).filter(|&k| kinds[k] != NodeKind::Outside);
         let apart = within.map(|k| beyond[k].distance(above[k])).fold(0.0, f64::max);
-        println!("force {difference:+.4}, skin {apart:.3} mm");
-        assert!(difference.abs() < 0.005 && apart < 0.1);
+        assert!(difference.abs() < 0.005 && apart < 0.1, "{difference}, {apart} mm");
     }
 }
 
@@ -170,8 +166,7 @@ fn the_work_of_the_force_is_the_energy_in_a_dual_plane() {
         // N·mm = mJ.
         let energy = 1e-3 * inserted(1.0).solution.elastic_energy();
         let figure = work * plan.implant.projection_mm / energy - 1.0;
-        println!("{plane:?}: {figure:+.1e}");
-        assert!(figure.abs() < 1e-3);
+        assert!(figure.abs() < 1e-3, "{plane:?}: {figure:e}");
     }
 }
 
@@ -181,19 +176,6 @@ fn the_more_muscle_the_more_force_and_cover() {
     let planes = std::iter::once(None).chain(Plane::ALL.map(Some));
     let found: Vec<Outcome> = planes.map(|plane| outcome(&plan(plane, false, 65))).collect();
     let force = |of: &Outcome| of.contact_force_n.unwrap();
-    for (plane, of) in found.iter().enumerate() {
-        let cover = of.cover_mm.unwrap();
-        println!(
-            "{plane}: {:.2} N, cover {:.2} {:.2} mm, without {:?}, mean {:.1} mmHg, skin {:.2} mm, stretch {:.4}",
-            force(of),
-            cover.apex,
-            cover.least,
-            cover.without_muscle,
-            of.contact_pressure_mmhg.unwrap().mean,
-            of.skin_projection_mm.unwrap(),
-            of.strain.as_ref().unwrap().max_principal,
-        );
-    }
     // Below the fold the skin is lower by the muscle's thickness in the dual plane I.
     assert!(found[..4].windows(2).all(|pair| force(&pair[0]) < force(&pair[1])));
     assert!((force(&found[3]) / force(&found[4]) - 1.0).abs() < 0.03);
