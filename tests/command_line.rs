@@ -815,8 +815,20 @@ fn validate_writes_errors_verification_and_a_table_and_chart_for_every_measureme
     let output = run(&folder, &["validate", "--quick", "--out-dir", "out"], "");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let out = folder.join("out");
-    let measured = ["fat", "filling-pressure", "pig-expander", "skin-pull", "treloar"];
-    let of_all = ["errors.csv", "errors.md", "verification.csv", "verification.md"];
+    let measured = [
+        "fat",
+        "filling-pressure",
+        "hole",
+        "implant-in-body",
+        "pig-expander",
+        "plates",
+        "pressure-later",
+        "projection",
+        "skin-pull",
+        "treloar",
+    ];
+    let of_all =
+        ["errors.csv", "errors.md", "opening-plan.md", "verification.csv", "verification.md"];
     let mut expected: Vec<String> = measured
         .iter()
         .flat_map(|name| ["csv", "svg"].map(|ending| format!("measurement-{name}.{ending}")))
