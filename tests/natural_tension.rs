@@ -135,7 +135,7 @@ fn at_rest_the_skin_has_its_natural_tension_and_nothing_is_added() {
 fn the_opening_plan_converges_by_multigrid_to_the_shape_of_newtons_method() {
     for (nodes, state) in [
         (33, skin_state(20.0, 1.0, 0.0)),
-        (33, skin_state(50.0, 1.5, 30.0)),
+        (33, skin_state(60.0, 1.5, 30.0)),
         (65, skin_state(20.0, 1.5, 90.0)),
     ] {
         let mut scene = scene(nodes, &json!({ "skin_state": state }));

@@ -8,10 +8,7 @@ pub(crate) mod dual;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
-use wide::{f32x4, i32x4};
-
-/// The bits of x^(−1/3) are about this number less a third of the bits of x: within 3.4 %.
-const CUBE_ROOT_BITS: f32 = 1_419_967_116.0;
+use wide::f32x4;
 
 /// A real number, or four of them.
 pub trait Real:
@@ -41,12 +38,6 @@ pub trait Real:
     fn ln(self) -> Self;
 
     fn exp(self) -> Self;
-
-    /// x^(−1/3) of a positive number.
-    #[inline(always)]
-    fn inverse_cube_root(self) -> Self {
-        (self.ln() * Self::splat(-1.0 / 3.0)).exp()
-    }
 
     fn max(self, other: Self) -> Self;
 
@@ -183,19 +174,6 @@ impl Real for f32x4 {
         f32x4::exp(self)
     }
 
-    /// Newton's method from a start by the bits; relative error below 3e-7.
-    #[inline(always)]
-    fn inverse_cube_root(self) -> f32x4 {
-        let bits = f32x4::from_i32x4(i32x4::new(self.to_array().map(|x| x.to_bits() as i32)));
-        let start = (f32x4::splat(CUBE_ROOT_BITS) - bits * (1.0 / 3.0)).fast_trunc_int();
-        let mut root = f32x4::new(start.to_array().map(|bits| f32::from_bits(bits as u32)));
-        let third = self * (1.0 / 3.0);
-        for _ in 0..3 {
-            root *= f32x4::splat(4.0 / 3.0) - root * root * (root * third);
-        }
-        root
-    }
-
     #[inline(always)]
     fn max(self, other: f32x4) -> f32x4 {
         self.fast_max(other)
@@ -236,20 +214,5 @@ impl Real for f32x4 {
     #[inline(always)]
     fn of(rows: &Rows) -> &[[f32; 4]] {
         &rows.lanes
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inverse_cube_roots_of_four_numbers_are_those_of_each() {
-        for k in 0..4000 {
-            let x = (f64::from(k) * 2e-3 - 4.0).exp();
-            let found = <f32x4 as Real>::splat(x).inverse_cube_root().to_array()[2];
-            let error = (f64::from(found) * f64::from(x as f32).cbrt() - 1.0).abs();
-            assert!(error < 3e-7, "{x}: {error:e}");
-        }
     }
 }

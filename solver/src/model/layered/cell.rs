@@ -8,7 +8,7 @@
 //! * [`four_points`]: four of the eight Gauss points, of alternating parity from cell to cell, J their mean. Accurate where a
 //!   softening tissue concentrates strain; 2.3 times the work.
 
-use super::deformed::{Deformed, Matrix};
+use super::deformed::{Deformed, Matrix, combined};
 use super::modes::Modes;
 use super::shape::RestShape;
 use super::sides::Sides;
@@ -52,22 +52,22 @@ pub(super) fn at_points<R: Real>(
     sides: &impl Sides<R>,
     parity: R,
 ) -> [Matrix<R>; 4] {
-    let (point, square) = (R::splat(POINT), R::splat(POINT * POINT) * parity);
-    let [xy, xz, yz] = modes.twist.map(|twist| scale(twist, point));
-    // The product of the three signs is the parity: ηζ has the sign parity·sx.
-    let d = scale(modes.d, square);
-    let center = sides.gradient(modes.linear);
-    let by_x = sides.turned([d, xy, xz]);
-    let by_y = sides.turned([xy, d, yz]);
-    let by_xy = sides.turned([xz, yz, d]);
-    let mut points = [center; 4];
-    for (c, r) in (0..9).map(|k| (k / 3, k % 3)) {
-        let parts = [center[c][r], by_x[c][r], by_y[c][r], by_xy[c][r] * parity];
-        for (point, value) in points.iter_mut().zip(at_signs(parts)) {
-            point[c][r] = value;
-        }
-    }
-    points
+    let ([xy, xz, yz], d) = (modes.twist, modes.d);
+    let point = R::splat(POINT);
+    let (xy, xz, yz) = (scale(xy, point), scale(xz, point), scale(yz, point));
+    let d = scale(d, R::splat(POINT * POINT) * parity);
+    let [x, y, z] = modes.linear;
+    let [a, b, c, e] = SIGNS;
+    let at = |[sx, sy]: [f64; 2]| {
+        let (sx, sy) = (R::splat(sx), R::splat(sy));
+        let sz = sx * sy * parity;
+        // The product of the three signs is the parity: ηζ has the sign parity·sx.
+        let x = add(x, add(add(scale(xy, sy), scale(xz, sz)), scale(d, sx)));
+        let y = add(y, add(add(scale(xy, sx), scale(yz, sz)), scale(d, sy)));
+        let z = add(z, add(add(scale(xz, sx), scale(yz, sy)), scale(d, sz)));
+        sides.gradient([x, y, z])
+    };
+    [at(a), at(b), at(c), at(e)]
 }
 
 /// The deformation at a point, and the point's coordinates.
@@ -91,22 +91,7 @@ pub(super) fn deformed_points<R: Real>(
     (with_place, volume)
 }
 
-/// ξ and η of the four points over [`POINT`].
 const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
-
-/// The values at the four points of parts times 1 and the signs ξ, η and ξη.
-#[inline(always)]
-fn at_signs<R: Real>([all, x, y, xy]: [R; 4]) -> [R; 4] {
-    let (lower, upper, left, right) = (all - y, all + y, x - xy, x + xy);
-    [lower - left, lower + left, upper - right, upper + right]
-}
-
-/// The sums of the values at the four points, and of those times the signs ξ, η and ξη: the transpose of [`at_signs`].
-#[inline(always)]
-fn sums_of_signs<R: Real>([a, b, c, d]: [R; 4]) -> [R; 4] {
-    let (lower, upper, below, above) = (a + b, c + d, b - a, d - c);
-    [lower + upper, below + above, upper - lower, above - below]
-}
 
 /// The derivatives of the energy per rest volume by the modes, by the rule of four points.
 #[inline(always)]
@@ -117,6 +102,7 @@ pub(crate) fn four_points<R: Real>(
     parity: R,
     augmented: R,
 ) -> Modes<R> {
+    let quarter = R::splat(0.25);
     let [a, b, c, d] = at_points(modes, sides, parity);
     let points = [Deformed::new(a), Deformed::new(b), Deformed::new(c), Deformed::new(d)];
     let volume = mean_volume(&points);
@@ -125,29 +111,25 @@ pub(crate) fn four_points<R: Real>(
     let [a, b, c, d] = &shapes;
     let g = [a.g, b.g, c.g, d.g];
     let Slopes { shear, pressure } = law.slopes(g, Volume::new(volume), augmented);
-    let mut sums = [Matrix::default(); 4];
-    let stress = |k: usize| points[k].stress(&shapes[k], shear[k], pressure);
-    let stresses = [stress(0), stress(1), stress(2), stress(3)];
-    for (c, r) in (0..9).map(|k| (k / 3, k % 3)) {
-        let parts = sums_of_signs([0, 1, 2, 3].map(|k: usize| stresses[k][c][r]));
-        for (sum, value) in sums.iter_mut().zip(parts) {
-            sum[c][r] = value;
+    let mut forces = Modes::default();
+    let point = R::splat(0.25 * POINT);
+    let square = R::splat(0.25 * POINT * POINT) * parity;
+    for (k, [sx, sy]) in SIGNS.into_iter().enumerate() {
+        let (sx, sy) = (R::splat(sx), R::splat(sy));
+        let sz = sx * sy * parity;
+        let [x, y, z] = sides.stress(points[k].stress(&shapes[k], shear[k], pressure));
+        for (to, p) in forces.linear.iter_mut().zip([x, y, z]) {
+            *to = add(*to, scale(p, quarter));
         }
+        let (px, py, pz) = (sx * point, sy * point, sz * point);
+        let [xy, xz, yz] = &mut forces.twist;
+        *xy = add(*xy, add(scale(x, py), scale(y, px)));
+        *xz = add(*xz, add(scale(x, pz), scale(z, px)));
+        *yz = add(*yz, add(scale(y, pz), scale(z, py)));
+        let along = combined([x, y, z], [sx * square, sy * square, sz * square]);
+        forces.d = add(forces.d, along);
     }
-    let [all, by_x, by_y, by_xy] = sums;
-    let (point, square) = (R::splat(0.25 * POINT), R::splat(0.25 * POINT * POINT) * parity);
-    let linear = sides.stress(all).map(|p| scale(p, R::splat(0.25)));
-    let (by_x, by_y) = (sides.stress(by_x), sides.stress(by_y));
-    let by_z = sides.stress(by_xy).map(|p| scale(p, parity));
-    Modes {
-        linear,
-        twist: [
-            scale(add(by_y[0], by_x[1]), point),
-            scale(add(by_z[0], by_x[2]), point),
-            scale(add(by_z[1], by_y[2]), point),
-        ],
-        d: scale(add(add(by_x[0], by_y[1]), by_z[2]), square),
-    }
+    forces
 }
 
 pub(super) fn mean_volume<R: Real>(points: &[Deformed<R>; 4]) -> R {

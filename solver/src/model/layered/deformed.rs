@@ -65,7 +65,7 @@ impl<R: Real> Deformed<R> {
         let (i1, i2) = (metric[0] + metric[3] + metric[5], dot(p, p) + dot(q, q) + dot(r, r));
         let volume = self.volume();
         // J^(−1/3).
-        let root = volume.ratio.inverse_cube_root();
+        let root = (volume.log * R::splat(-1.0 / 3.0)).exp();
         let (two, four) = (root * root, root * root * root * root);
         let (first, second) = (R::splat(1.0 - BETA) * two, R::splat(BETA) * four);
         let (i1_bar, i2_bar) = (first * i1, second * i2);

@@ -10,14 +10,8 @@ use glam::{DMat3, DVec3};
 
 /// The sides of a cell; lengths in spacings.
 pub(crate) trait Sides<R: Real>: Copy {
-    /// The displacement gradient of slopes along the sides.
-    fn turned(&self, slopes: Matrix<R>) -> Matrix<R>;
-
     /// The deformation gradient of a displacement with slopes along the sides.
-    #[inline(always)]
-    fn gradient(&self, slopes: Matrix<R>) -> Matrix<R> {
-        with_identity(self.turned(slopes))
-    }
+    fn gradient(&self, slopes: Matrix<R>) -> Matrix<R>;
 
     /// The transpose of [`Self::gradient`]: the stress along the sides.
     fn stress(&self, stress: Matrix<R>) -> Matrix<R>;
@@ -39,8 +33,8 @@ pub(crate) struct Oblique<R>(pub(crate) Matrix<R>);
 
 impl<R: Real> Sides<R> for Upright<R> {
     #[inline(always)]
-    fn turned(&self, [x, y, z]: Matrix<R>) -> Matrix<R> {
-        [x, y, scale(z, self.slope)]
+    fn gradient(&self, [x, y, z]: Matrix<R>) -> Matrix<R> {
+        with_identity([x, y, scale(z, self.slope)])
     }
 
     #[inline(always)]
@@ -56,9 +50,8 @@ impl<R: Real> Sides<R> for Upright<R> {
 
 impl<R: Real> Sides<R> for Oblique<R> {
     #[inline(always)]
-    fn turned(&self, slopes: Matrix<R>) -> Matrix<R> {
-        let [a, b, c] = self.0;
-        [combined(slopes, a), combined(slopes, b), combined(slopes, c)]
+    fn gradient(&self, slopes: Matrix<R>) -> Matrix<R> {
+        with_identity(self.turned(slopes))
     }
 
     #[inline(always)]
@@ -79,6 +72,13 @@ impl<R: Real> Sides<R> for Oblique<R> {
 }
 
 impl<R: Real> Oblique<R> {
+    /// The displacement gradient of slopes along the sides.
+    #[inline(always)]
+    pub(crate) fn turned(&self, slopes: Matrix<R>) -> Matrix<R> {
+        let [a, b, c] = self.0;
+        [combined(slopes, a), combined(slopes, b), combined(slopes, c)]
+    }
+
     /// Two sides in the plane, with ∂ξ/∂X, ∂η/∂X, ∂ξ/∂Y, ∂η/∂Y, the third upright.
     #[inline(always)]
     pub(crate) fn in_plane([a, b, c, d]: [R; 4], slope: R) -> Self {
