@@ -47,7 +47,7 @@ pub(super) fn energy_balance() -> Result<Vec<Check>, SceneError> {
             work += weight * scene.implant.projection_mm * found.unwrap_or(f64::NAN);
         }
         let stored = force(1.0)?.map_or(f64::NAN, |found| 1e-3 * found.solution.elastic_energy());
-        let place = format!("{place}; opening plan, rigid; 65 nodes per side");
+        let place = format!("{place}; rigid opening plan; 65 nodes per side");
         let figure = (work / stored - 1.0).abs();
         checks.push(Check::at_most(
             "work of the contact force = stored energy",
