@@ -8,6 +8,9 @@
     reason = "a test stops where something is missing"
 )]
 
+mod common;
+
+use common::turned_over;
 use glam::DVec3;
 use implant_preview_core::body::deform::deform;
 use implant_preview_core::body::fit::{Settings, fit};
@@ -66,16 +69,6 @@ fn implant(random: &mut fastrand::Rng) -> Implant {
         projection_mm: volume_ml * 1e3 / (2.0 * FRAC_PI_3 * high * base_radius_mm.powi(2)),
         ..Implant::default()
     }
-}
-
-/// Triangles that an operation turns over: their normal after points against that before.
-fn turned_over(before: &Surface, after: &Surface) -> usize {
-    let normal = |surface: &Surface, triangle: &[u32; 3]| {
-        let [a, b, c] = surface.corners(*triangle);
-        (b - a).cross(c - a)
-    };
-    let is_turned = |t: &&[u32; 3]| normal(before, t).dot(normal(after, t)) <= 0.0;
-    before.triangles.iter().filter(is_turned).count()
 }
 
 /// What became of some random bodies.

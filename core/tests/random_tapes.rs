@@ -8,6 +8,9 @@
     reason = "a test stops where something is missing"
 )]
 
+mod common;
+
+use common::turned_over;
 use glam::DVec3;
 use implant_preview_core::body::deform::{deform, gained_ml};
 use implant_preview_core::body::surface::Surface;
@@ -51,16 +54,6 @@ fn after(scene: &Scene, solution: &Solution) -> (Surface, Surface) {
     let before = fitted.shaped.torso.surface.clone();
     let after = deform(&before, &fitted.fit.frame, solution);
     (before, after)
-}
-
-/// Triangles of the skin that an operation turns over.
-fn turned_over(before: &Surface, after: &Surface) -> usize {
-    let normal = |surface: &Surface, triangle: &[u32; 3]| {
-        let [a, b, c] = surface.corners(*triangle);
-        (b - a).cross(c - a)
-    };
-    let is_turned = |t: &&[u32; 3]| normal(before, t).dot(normal(after, t)) <= 0.0;
-    before.triangles.iter().filter(is_turned).count()
 }
 
 /// Numbers of plans that were refused, that converged, by multigrid alone, and their work units, sorted.
