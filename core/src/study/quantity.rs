@@ -72,6 +72,8 @@ quantities! {
     LeastCoverMm: "least_cover_mm", "least cover", "Least cover", "mm", Layers, |of| Some(of.cover_mm?.least);
     /// Layered tissue: thickness of the tissue over the implant's highest point \[mm\].
     ApexCoverMm: "apex_cover_mm", "cover at the apex", "Cover over the apex", "mm", Layers, |of| Some(of.cover_mm?.apex);
+    /// Layered tissue: void between tissue, implant and wall \[ml\].
+    VoidMl: "void_ml", "void of the pocket", "Void of the pocket", "ml", Layers, |of| of.void_ml;
     /// Height of the outer skin surface above the wall \[mm\].
     SkinProjectionMm: "skin_projection_mm", "projection of the skin", "Height of the breast mound", "mm", Any, |of| of.skin_projection_mm;
     /// Area gained by the skin over the pocket, relative to its area at rest \[-\].

@@ -161,6 +161,8 @@ pub struct Solution {
     pub skin_apex_stretch: f64,
     /// Deformed area of the skin over the pocket (material radius up to the pocket's) / its area at rest \[-\].
     pub skin_area_ratio_over_pocket: f64,
+    /// Volume under the inner face over the pocket less the dome's over the wall \[mm³\].
+    pub void_mm3: f64,
     /// \[r, z\] of the inner face \[mm\] at [`PROFILE_POINTS`] equal steps of the material radius, 0 to the patch
     /// radius.
     pub inner: Vec<[f64; 2]>,
@@ -266,6 +268,35 @@ fn check(input: &Input) -> Result<(), LayersError> {
     Ok(())
 }
 
+/// Volume between wall and inner face over the pocket \[mm³\].
+fn enclosed(input: &Input, tissue: &Tissue, x: &[f64]) -> f64 {
+    let node = |column: usize| {
+        let n = tissue.number(column, 0);
+        [x[n], x[n + 1]]
+    };
+    let wall = input.rest.wall;
+    let most = input.pocket_radius_mm * (1.0 + 1e-9);
+    let in_pocket = (1..tissue.columns).filter(|column| tissue.radius(*column) <= most);
+    // Simpson's rule along each straight edge.
+    let ring = |column: usize| {
+        let ([r0, z0], [r1, z1]) = (node(column - 1), node(column));
+        let at = |share: f64| {
+            let r = r0 + share * (r1 - r0);
+            r * (z0 + share * (z1 - z0) - wall.height(r)[0])
+        };
+        2.0 * PI * (r1 - r0) * (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
+    };
+    in_pocket.map(ring).sum()
+}
+
+/// Volume of the dome over the wall \[mm³\]: πR²p ∫ (1 − sᵐ) ds over the heights s \[p\].
+fn volume_over_wall(input: &Input) -> f64 {
+    let exponent = input.fullness / (1.0 - input.fullness);
+    let lowest = 1.0 - input.insertion;
+    let share = (1.0 - lowest) - (1.0 - lowest.powf(exponent + 1.0)) / (exponent + 1.0);
+    PI * input.base_radius_mm.powi(2) * input.projection_mm * share
+}
+
 fn measure(input: &Input, tissue: &Tissue, found: &Equilibrium) -> Solution {
     let node_of = |x: &[f64], column: usize, row: usize| {
         let n = tissue.number(column, row);
@@ -302,6 +333,7 @@ fn measure(input: &Input, tissue: &Tissue, found: &Equilibrium) -> Solution {
         apex_skin_mm: node(0, top)[1],
         skin_apex_stretch: node(1, top)[0] / node_of(&tissue.rest, 1, top)[0],
         skin_area_ratio_over_pocket: area(&found.x) / area(&tissue.rest),
+        void_mm3: enclosed(input, tissue, &found.x) - volume_over_wall(input),
         inner: profile(0),
         skin: profile(top),
         mesh: (0..tissue.columns)

@@ -1,7 +1,7 @@
 //! Obstacles of the tissue, the implant's dome and the chest wall, and contact with both.
 //!
-//! `shape` (shapes of implants, and the map to their place over the wall) | `dome` (the implant in place), `lines` (on its surface), `distance` (of a point
-//! from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
+//! `shape` (shapes of implants, and the map to their place over the wall) | `dome` (the implant in place), `lines` (on its surface), `volume` (over the wall), `distance`
+//! (of a point from it) | `wall` (the same of the chest wall) | `obstacle` (both together) | `lanes` (contact conditions of four nodes) | `active_set` (contact
 //! conditions of Newton's method) | `contact_edge` (contact edge between two nodes).
 //!
 //! Uses `mesh`. Used by `model`, `solve` and all to their right.
@@ -14,6 +14,7 @@ pub(crate) mod lanes;
 mod lines;
 mod obstacle;
 mod shape;
+mod volume;
 mod wall;
 
 pub use dome::Dome;

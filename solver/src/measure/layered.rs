@@ -2,7 +2,7 @@
 
 use super::profile::{self, Direction, Layer};
 use super::{Outcome, Selection};
-use crate::mesh::{NodeKind, Sheet};
+use crate::mesh::{NodeKind, Sheet, enclosed};
 use crate::model::layered::exact::CellState;
 use crate::solve::{Problem, Solution};
 use glam::{DMat3, DVec3};
@@ -64,10 +64,9 @@ pub struct Thickness {
     pub greatest: f64,
 }
 
-/// Weight of a node in sums over the pocket: the part of the node's surroundings inside of the pocket, to second order.
+/// Weight of a node in sums over the pocket.
 pub(super) fn pocket_weight(sheet: &Sheet, pocket_radius: f64, node: usize) -> f64 {
-    let distance = pocket_radius - sheet.rest()[node].length();
-    (distance / sheet.spacing_mm() + 0.5).clamp(0.0, 1.0)
+    enclosed::pocket_weight(sheet.rest()[node].length(), pocket_radius, sheet.spacing_mm())
 }
 
 /// Area of the skin at rest over the pocket and of the whole patch \[mm²\]; of a sheet that of the sheet.

@@ -84,6 +84,9 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         Tissue::Layered => layered::pocket_weight(problem.sheet(), pocket_radius, k),
     };
     outcome.measure_contact(fields, selection);
+    if selection.wants("void_ml") {
+        outcome.void_ml = solution.void_mm3().map(|void| void / 1000.0);
+    }
     if selection.wants("profile") {
         outcome.profile = profile::along_x(solution);
     }
@@ -232,6 +235,7 @@ impl Outcome {
             profile_y: Vec::new(),
             profile_skin_y: Vec::new(),
             cover_mm: None,
+            void_ml: None,
             skin_area: None,
             attachment_traction_kpa: None,
             wrinkled: None,

@@ -87,6 +87,9 @@ pub struct Outcome {
     /// Layered tissue: thickness between implant and outer skin surface \[mm\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cover_mm: Option<Cover>,
+    /// Layered tissue: void between tissue, implant and wall within the pocket \[ml\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub void_ml: Option<f64>,
     /// Layered tissue: area of the skin before and after.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin_area: Option<SkinArea>,

@@ -8,7 +8,8 @@
 //! Public interface: [`Problem`], [`Options`], [`Solver`] (state: `accessors`), [`Solution`]. `initial_guess` |
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
 //! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves) |
-//! `continuation` (from the solution of another problem) | `yielding` (an implant that yields), `balance` (with a solution).
+//! `continuation` (from the solution of another problem) | `yielding` (an implant that yields), `balance` (with a solution) |
+//! `void` (what neither implant nor tissue fills).
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
@@ -30,6 +31,7 @@ pub(crate) mod reactions;
 pub(crate) mod samples;
 mod solution;
 pub mod validity;
+mod void;
 mod yielding;
 
 pub use problem::{Method, Options, Problem, Progress, Tissue};

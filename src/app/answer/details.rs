@@ -58,6 +58,9 @@ fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>, scene: &Scene) {
             row(ui, error, tr("Skin area after"), outcome.area_after_cm2, 1, "cm²");
             of(ui, outcome, bands, Quantity::SkinAreaGainCm2, 1);
             of(ui, outcome, bands, Quantity::SkinAreaGain, 1);
+            if outcome.void_ml.is_some() {
+                of(ui, outcome, bands, Quantity::VoidMl, 0);
+            }
         });
         remark(
             ui,

@@ -35,7 +35,7 @@ enum Value {
     Result(Quantity),
 }
 
-const ROWS: [Row; 11] = [
+const ROWS: [Row; 12] = [
     Row::new("Width", "cm", 1, Value::Plan(|scene| Field::BaseRadius.shown(scene))),
     Row::new("Volume", "ml", 0, Value::Plan(|scene| Parameter::Volume.value(scene))),
     Row::new("Projection", "cm", 1, Value::Plan(|scene| Field::Projection.shown(scene))),
@@ -65,6 +65,10 @@ const ROWS: [Row; 11] = [
     },
     Row::new("Skin gained", "cm²", 0, Value::Result(Quantity::SkinAreaGainCm2)),
     Row::new("Mound height", "mm", 1, Value::Result(Quantity::SkinProjectionMm)),
+    Row {
+        about: "Room that neither implant nor tissue fills, between the implant's rim and the pocket's edge.",
+        ..Row::new("Void of the pocket", "ml", 0, Value::Result(Quantity::VoidMl))
+    },
 ];
 
 /// What stands in place of a difference without a number.
