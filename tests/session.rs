@@ -5,7 +5,7 @@
 use implant_preview::clinical::Measurements;
 use implant_preview::measure::bands::SkinLimits;
 use implant_preview::measure::{Field, Outcome, Status};
-use implant_preview::scene::{CellsThrough, Layer, Scene, Springs};
+use implant_preview::scene::{CellsThrough, Layer, Scene, Springs, TissueModel};
 use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::{Displayed, Method, Options, Progress, Solver};
 use implant_preview::view::picture::Picture;
@@ -722,9 +722,14 @@ fn the_displayed_pressure_is_the_reported_pressure() {
             let greatest = f64::from(drawn.iter().copied().fold(0.0, f32::max));
             let ratio = greatest / read.max;
             assert!((ratio - 1.0).abs() < 1e-6, "scene {case}, {nodes} nodes: {ratio}");
-            // Adjacent nodes in contact have similar pressures.
+            // Under a sheet adjacent nodes in contact have similar pressures; under solid tissue the pressure falls to zero at the edge.
             let least = drawn.iter().copied().filter(|p| *p > 0.0).fold(f32::MAX, f32::min);
-            assert!(f64::from(least) > 0.3 * read.mean, "scene {case}, {nodes} nodes: {least}");
+            let is_sheet = session.scene().body.tissue_model == TissueModel::Sheet;
+            assert!(
+                !is_sheet || f64::from(least) > 0.3 * read.mean,
+                "scene {case}, {nodes} nodes: {least}"
+            );
+            assert!(read.max >= read.mean);
         }
     }
 }

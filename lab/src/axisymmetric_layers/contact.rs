@@ -134,6 +134,16 @@ impl Contact {
         };
         nodes.enumerate().map(one).sum()
     }
+
+    /// Normal force of the dome \[mN\] on each node.
+    pub(super) fn normal_forces(&self, nodes: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
+        let one = |(node, at): (usize, [f64; 2])| {
+            let constraints = self.section.constraints(at);
+            let [r, z] = constraints[0].gradient;
+            self.forces(node, &constraints)[0] * r.hypot(z)
+        };
+        nodes.enumerate().map(one).collect()
+    }
 }
 
 #[cfg(test)]

@@ -168,6 +168,8 @@ pub struct Solution {
     pub inner: Vec<[f64; 2]>,
     /// \[r, z\] of the skin membrane \[mm\] at the same material radii.
     pub skin: Vec<[f64; 2]>,
+    /// Pressure of the dome on the nodes of the inner face \[kPa\], from the axis outwards: normal force / area around the node.
+    pressure_kpa: Vec<f64>,
     /// Material radii of the mesh \[mm\], rising, with \[r, z\] of inner face and skin \[mm\].
     mesh: Vec<(f64, [[f64; 2]; 2])>,
 }
@@ -176,14 +178,33 @@ impl Solution {
     /// \[r, z\] of inner face and skin \[mm\] at a material radius \[mm\], linear in the cells.
     #[must_use]
     pub fn point(&self, radius_mm: f64) -> ([f64; 2], [f64; 2]) {
-        let cells = self.mesh.len() - 1;
-        let above = self.mesh.partition_point(|(radius, _)| *radius < radius_mm);
-        let cell = above.clamp(1, cells);
-        let [(r0, a), (r1, b)] = [self.mesh[cell - 1], self.mesh[cell]];
-        let share = ((radius_mm - r0) / (r1 - r0)).clamp(0.0, 1.0);
+        let (cell, share) = self.locate(radius_mm);
+        let [a, b] = [self.mesh[cell - 1].1, self.mesh[cell].1];
         let [inner, skin] = [0, 1]
             .map(|face: usize| [0, 1].map(|k| a[face][k] + share * (b[face][k] - a[face][k])));
         (inner, skin)
+    }
+
+    /// Pressure of the dome at a material radius \[mm\], linear in the cells \[kPa\].
+    #[must_use]
+    pub fn pressure_at(&self, radius_mm: f64) -> f64 {
+        let (cell, share) = self.locate(radius_mm);
+        let [a, b] = [self.pressure_kpa[cell - 1], self.pressure_kpa[cell]];
+        a + share * (b - a)
+    }
+
+    /// Greatest pressure of the dome \[kPa\].
+    #[must_use]
+    pub fn greatest_pressure_kpa(&self) -> f64 {
+        self.pressure_kpa.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The outer node of the cell at a material radius \[mm\] and the place in the cell, 0 to 1.
+    fn locate(&self, radius_mm: f64) -> (usize, f64) {
+        let above = self.mesh.partition_point(|(radius, _)| *radius < radius_mm);
+        let cell = above.clamp(1, self.mesh.len() - 1);
+        let [inner, outer] = [self.mesh[cell - 1].0, self.mesh[cell].0];
+        (cell, ((radius_mm - inner) / (outer - inner)).clamp(0.0, 1.0))
     }
 }
 
@@ -327,6 +348,14 @@ fn measure(input: &Input, tissue: &Tissue, found: &Equilibrium) -> Solution {
         area
     };
     let node = |column: usize, row: usize| node_of(&found.x, column, row);
+    // The share of a node in the ring of a cell, by the cell's linear function.
+    let mut areas = vec![0.0; tissue.columns];
+    for column in 1..tissue.columns {
+        let ([r, z], [next_r, next_z]) = (node(column - 1, 0), node(column, 0));
+        let length = (next_r - r).hypot(next_z - z);
+        areas[column - 1] += PI * length * (2.0 * r + next_r) / 3.0;
+        areas[column] += PI * length * (r + 2.0 * next_r) / 3.0;
+    }
     Solution {
         contact_force_n: found.contact_force_n,
         apex_inner_mm: node(0, 0)[1],
@@ -336,6 +365,7 @@ fn measure(input: &Input, tissue: &Tissue, found: &Equilibrium) -> Solution {
         void_mm3: enclosed(input, tissue, &found.x) - volume_over_wall(input),
         inner: profile(0),
         skin: profile(top),
+        pressure_kpa: found.normal_forces(tissue).iter().zip(areas).map(|(f, a)| f / a).collect(),
         mesh: (0..tissue.columns)
             .map(|column| (tissue.radius(column), [node(column, 0), node(column, top)]))
             .collect(),

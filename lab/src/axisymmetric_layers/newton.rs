@@ -88,6 +88,11 @@ impl Equilibrium {
         let contact_force_n = contact.axial_force(inner(tissue, &x)) / 1000.0;
         Self { x, contact_force_n, contact }
     }
+
+    /// Normal force of the dome \[mN\] on each node of the inner face.
+    pub(super) fn normal_forces(&self, tissue: &Tissue) -> Vec<f64> {
+        self.contact.normal_forces(inner(tissue, &self.x))
+    }
 }
 
 /// Positions of the inner face's nodes \[mm\].

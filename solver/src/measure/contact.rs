@@ -1,4 +1,8 @@
-//! Contact between dome and sheet: pressure and contact edge.
+//! Contact between dome and tissue: pressure and contact edge.
+//!
+//! Under a sheet the pressure follows from the curvature and jumps to zero at the contact's edge, where a node's own surroundings are
+//! partly free: the pressure there is extrapolated. Under solid tissue the pressure falls to zero at the edge, and the force on a node
+//! is the integral of the pressure times the node's function: the pressure is force / area at every node.
 
 use super::Pressure;
 use super::contact_area::Contacted;
@@ -21,8 +25,9 @@ pub(super) struct Contact {
     force: Vec<f64>,
     /// Deformed area around each node \[mm²\].
     area: Vec<f64>,
-    /// Do the node and its neighbours of two rings touch the dome? Of one ring where the contact is small.
+    /// Under a sheet: do the node and its neighbours of two rings touch the dome? Of one ring where the contact is small.
     inside: Vec<bool>,
+    is_solid: bool,
     nodes_per_side: usize,
     /// Vertical force \[kPa·mm²\].
     vertical_force: f64,
@@ -77,6 +82,7 @@ impl Contact {
             force,
             area,
             inside,
+            is_solid: !solution.outer().is_empty(),
             nodes_per_side: n,
             vertical_force,
             resultant,
@@ -172,14 +178,17 @@ impl Contact {
 
     /// Sets the pressure at the nodes, its mean and its greatest value.
     ///
-    /// The pressure is smooth inside of the contact and jumps to zero at its edge. The mean is the force over the area in contact,
-    /// which changes without jumps: [`Contacted::total`]. A contact without nodes inside has its mean pressure everywhere.
+    /// Under a sheet the pressure is smooth inside of the contact and jumps to zero at its edge. The mean is the force over the area in
+    /// contact, which changes without jumps: [`Contacted::total`]. A contact without nodes inside, or smaller than the area around a
+    /// node, has its mean pressure everywhere.
     fn find_pressure(&mut self) {
         let touching: Vec<(usize, usize)> = self.touching().collect();
         let (mut force, mut max) = (0.0, 0.0_f64);
         for &(k, node) in &touching {
             force += self.part.multiplicity(node) * self.force[k];
-            let pressure = if self.inside[k] {
+            let pressure = if self.is_solid {
+                self.force[k] / self.area[k]
+            } else if self.inside[k] {
                 self.pressure_inside(node)
             } else {
                 self.pressure_at_edge(node).unwrap_or(0.0)
@@ -193,7 +202,7 @@ impl Contact {
             return;
         }
         let mean = force / area;
-        for &(k, _) in touching.iter().filter(|(k, _)| !self.inside[*k]) {
+        for &(k, _) in touching.iter().filter(|(k, _)| self.is_solid || !self.inside[*k]) {
             if self.at_nodes[k] <= 0.0 || max <= mean {
                 self.at_nodes[k] = mean;
             }

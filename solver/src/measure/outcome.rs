@@ -113,7 +113,7 @@ pub struct Outcome {
 pub struct Pressure {
     /// Normal force / contact area.
     pub mean: f64,
-    /// Greatest value at the interior nodes of the contact.
+    /// Greatest value at the nodes in contact.
     pub max: f64,
 }
 
