@@ -131,7 +131,6 @@ fn the_opening_plan_is_in_spanish() {
         "Cobertura 10 mm (6–17): piel 1,5 + grasa 8,5",
         "Proyección según anchura y volumen.",
         "Cambiar anchura, volumen o pellizco · arrastrar la imagen para girarla",
-        "Comparando con la práctica…",
         "modelo estándar, 33 nodos por lado",
     ] {
         assert!(harness.query_all_by_label(text).count() > 0, "{text}");

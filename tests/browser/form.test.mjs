@@ -70,6 +70,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     names.splice(names.indexOf("Projection (cm)") + 1, names.indexOf("Pinch (cm)") - names.indexOf("Projection (cm)") - 1);
     assert.deepEqual(names, [
       "Implant",
+      "Filled with",
       "Width (cm)",
       "Volume (ml)",
       "Projection (cm)",

@@ -20,6 +20,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
     const form = page.getByRole("form", { name: "Plan" });
     assert.deepEqual(await form.locator("label").allTextContents(), [
       "Implante",
+      "Relleno",
       "Anchura (cm)",
       "Volumen (ml)",
       "Proyección (cm)",

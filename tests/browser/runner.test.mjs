@@ -175,20 +175,28 @@ describe("the runner", { timeout: 4 * harness.PATIENCE }, () => {
       submitted.forEach((job) => job.cancel());
       const cancelled = await Promise.all(submitted.map(message));
       const after = withoutTime(await runner.submit({ kind: "simulate", scene: scenes[0] }).result);
-      const short = runner.submit({ kind: "name", name: 1 });
-      short.cancel();
-      cancelled.push(await message(short));
-      const next = await runner.submit({ kind: "name", name: 2 }).result;
+      // A busy machine may not run a short job within the grace: one of five leaves its worker.
+      let next, isKept;
+      for (let attempt = 0; attempt < 5 && !isKept; attempt += 1) {
+        const { started } = runner.stats();
+        const short = runner.submit({ kind: "name", name: 1 });
+        short.cancel();
+        cancelled.push(await message(short));
+        next = await runner.submit({ kind: "name", name: 2 }).result;
+        isKept = runner.stats().started === started;
+      }
       const stats = runner.stats();
       const last = message(runner.submit({ kind: "simulate", scene: scenes[0] }));
       runner.terminate();
-      return { cancelled, after, next, stats, last: await last, alive: runner.stats().alive };
+      return { cancelled, after, next, isKept, stats, last: await last, alive: runner.stats().alive };
     });
     for (const text of [...found.cancelled, found.last]) assert.match(text, /^AbortError: /);
     assert.equal(JSON.parse(found.after).status, "converged");
     assert.equal(found.next, 2);
-    // The short job left its worker, the long job did not.
-    assert.deepEqual(found.stats, { workers: 1, alive: 1, jobs: 7, started: 2, restarted: 0, failed: 0 });
+    // A short job leaves its worker, the silent one does not.
+    assert.ok(found.isKept && found.stats.started >= 2, JSON.stringify(found.stats));
+    const { workers, alive, restarted, failed } = found.stats;
+    assert.deepEqual([workers, alive, restarted, failed], [1, 1, 0, 0]);
     assert.equal(found.alive, 0);
     await finish();
   });
