@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
 use glam::{DVec2, DVec3};
+use implant_preview_core::curve::Curve;
 use implant_preview_core::measure::{Outcome, SolverMethod, Status};
 use implant_preview_core::mesh::{NodeKind, Rest, Sheet, Taper};
 use implant_preview_core::scene::{CheckedScene, Plane, Scene};
@@ -197,11 +198,9 @@ fn the_more_muscle_the_more_force_and_cover() {
 #[test]
 fn a_plane_of_a_file_adds_its_muscle_and_is_written_with_it() {
     let mut file: Value = serde_json::from_str(&Scene::opening().to_json()).unwrap();
-    assert!(file.get("plane").is_none());
-    for (name, plane) in
-        ["dual_plane_iii", "dual_plane_ii", "dual_plane_i", "below"].into_iter().zip(Plane::ALL)
-    {
-        file["plane"] = json!(name);
+    assert!(file.get("pocket_plane").is_none());
+    for (name, plane) in ["dual_3", "dual_2", "dual_1", "below"].into_iter().zip(Plane::ALL) {
+        file["pocket_plane"] = json!(name);
         let scene = Scene::from_json(&file.to_string()).unwrap();
         let mut expected = Scene::opening();
         expected.set_plane(Some(plane));
@@ -212,6 +211,39 @@ fn a_plane_of_a_file_adds_its_muscle_and_is_written_with_it() {
         above.set_plane(None);
         assert_eq!(above, Scene::opening());
     }
+    // The muscle by its two numbers, which the written scene has as its layer.
+    let mut by_numbers = file.clone();
+    by_numbers["muscle"] = json!({ "thickness_mm": 10, "modulus_kpa": 12 });
+    let scene = Scene::from_json(&by_numbers.to_string()).unwrap();
+    let curve = Curve::scaled(&scene.layers[2].curve).unwrap();
+    assert!((scene.layers[2].thickness_mm - 10.0).abs() < 1e-12);
+    assert!((curve.slope(0.0) - 12.0).abs() < 1e-9);
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+    let refused = |muscle: Value, plane: &str| {
+        let mut file = file.clone();
+        (file["muscle"], file["pocket_plane"]) = (muscle, json!(plane));
+        Scene::from_json(&file.to_string()).unwrap_err().to_string()
+    };
+    for (line, words) in [
+        (
+            refused(json!({}), "above"),
+            "muscle: given without its plane; allowed: with a `pocket_plane` below it",
+        ),
+        (
+            refused(json!({ "thickness_mm": 0 }), "below"),
+            "muscle.thickness_mm is 0; allowed: 0.2 to 60",
+        ),
+        (
+            refused(json!({ "modulus_kpa": 1e6 }), "dual_1"),
+            "muscle.modulus_kpa is 1000000; allowed: 0.1 to 1000",
+        ),
+        (refused(json!(null), "below"), "muscle"),
+    ] {
+        assert!(line.contains(words) && !line.contains('\n'), "{line}");
+    }
+    file["pocket_plane"] = json!("above");
+    assert_eq!(Scene::from_json(&file.to_string()).unwrap(), Scene::opening());
+    file["pocket_plane"] = json!("below");
     // A muscle of the file stays.
     file["layers"] =
         json!([{}, { "tissue": "adipose" }, { "tissue": "muscle", "thickness_mm": 11 }]);
@@ -221,16 +253,12 @@ fn a_plane_of_a_file_adds_its_muscle_and_is_written_with_it() {
     let line = Scene::from_json(&file.to_string()).unwrap_err().to_string();
     assert_eq!(
         line,
-        "plane is below the muscle; allowed: with a layer `muscle` under skin and another layer"
+        "pocket_plane is below the muscle; allowed: with a layer `muscle` under skin and another layer"
     );
-    file["plane"] = json!("subfascial");
+    file["pocket_plane"] = json!("subfascial");
     let line = Scene::from_json(&file.to_string()).unwrap_err().to_string();
-    assert!(
-        line.contains("plane") && line.contains("dual_plane_ii") && !line.contains('\n'),
-        "{line}"
-    );
-    let sheet =
-        json!({ "tissue_model": "sheet", "plane": "below", "implant": { "base_radius_mm": 50 } });
+    assert!(line.contains("plane") && line.contains("dual_2") && !line.contains('\n'), "{line}");
+    let sheet = json!({ "tissue_model": "sheet", "pocket_plane": "below", "implant": { "base_radius_mm": 50 } });
     let line = Scene::from_json(&sheet.to_string()).unwrap_err().to_string();
-    assert_eq!(line, "plane is below the muscle; allowed: in layered tissue only");
+    assert_eq!(line, "pocket_plane is below the muscle; allowed: in layered tissue only");
 }

@@ -1,6 +1,7 @@
 //! The tissue of the plan: layers, its model, its law, the springs of the paper.
 
 use super::*;
+use implant_preview::scene::Plane;
 
 #[test]
 fn layers_are_added_exchanged_and_removed() {
@@ -158,4 +159,36 @@ fn layers_that_stay_stable_under_the_papers_springs_are_reported() {
     harness.get_by_label_contains("stable at all strains up to 100 %");
     let offers = harness.query_all_by_label("Use the standard model");
     assert_eq!(offers.count(), 0);
+}
+
+#[test]
+fn below_the_muscle_the_card_of_the_cover_has_it_with_and_without_the_muscle() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
+    let without = "without the muscle ";
+    let least = |harness: &Harness<'static, App>| {
+        harness.state().outcome().unwrap().cover_mm.as_ref().unwrap().least
+    };
+    let above = least(&harness);
+    assert!(text_with(&harness, without).is_none());
+    press(&mut harness, "Below");
+    settle(&mut harness);
+    let scene = harness.state().session().scene();
+    assert_eq!((scene.layers.len(), scene.body.plane), (3, Some(Plane::Below)));
+    assert!(least(&harness) > above + 5.0, "{} {above}", least(&harness));
+    let words = text_with(&harness, without).unwrap();
+    let figure = words.trim_start_matches(without).split(' ').next().unwrap();
+    // The fat and the skin are about as thick as without a muscle.
+    let figure: f64 = figure.parse().unwrap();
+    assert!((figure - above).abs() < 1.0, "{words} {above}");
+    // In a dual plane the lower pole has none, so that the least cover is that of fat and skin.
+    press(&mut harness, "III");
+    settle(&mut harness);
+    assert!((least(&harness) - above).abs() < 1.0, "{}", least(&harness));
+    assert!(text_with(&harness, without).is_some());
+    press(&mut harness, "Above");
+    settle(&mut harness);
+    assert_eq!(harness.state().session().scene().layers.len(), 2);
+    assert!((least(&harness) - above).abs() < 1e-9);
+    assert!(text_with(&harness, without).is_none());
 }

@@ -31,7 +31,7 @@ pub struct Body {
     #[serde(skip_serializing_if = "is_default")]
     pub skin_state: SkinState,
     /// The plane of the pocket; `None`: above the muscle, or below an innermost layer that is as the others.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "pocket_plane", skip_serializing_if = "Option::is_none")]
     pub plane: Option<Plane>,
 }
 

@@ -4,10 +4,11 @@ use super::chest_grid::BOTH;
 use super::implant::{ImplantFile, Named};
 use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
+use super::plane::{Muscle, PlaneFile};
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    Patient, Placement, Plane, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings,
-    ThicknessGrid, TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
+    Patient, Placement, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid,
+    TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
 };
 use crate::clinical::When;
 use crate::curve::{List, given, given_object, object, present, present_object};
@@ -159,11 +160,13 @@ pub(super) struct SceneFile {
     /// Of layered tissue: tension of the skin at rest. Default: none.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) skin_state: Option<SkinState>,
-    /// Of layered tissue: the plane of the pocket, below a muscle that is the innermost layer; added where the layers end without one. Default: above the
-    /// muscle.
-    #[serde(default, deserialize_with = "given")]
-    #[schemars(with = "Plane")]
-    pub(super) plane: Option<Plane>,
+    /// Of layered tissue: the plane of the pocket, below a muscle that is the innermost layer; added where the layers end without one. Default: `above`
+    /// the muscle.
+    #[serde(default, deserialize_with = "present")]
+    pub(super) pocket_plane: PlaneFile,
+    /// The muscle that a `pocket_plane` adds. A written scene has it as its innermost layer.
+    #[serde(default, deserialize_with = "given_object")]
+    pub(super) muscle: Option<Muscle>,
     /// Time after the operation, in place of `skin_state.relaxed` and `skin_state.grown`. A written scene has those.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "When")]
@@ -329,7 +332,7 @@ impl SceneFile {
             patch_radius_mm: patch_radius_mm.unwrap_or(default.patch_radius_mm),
             attachment: file.attachment.unwrap_or_default(),
             skin_state: skin_state(file.skin_state.unwrap_or_default(), file.when)?,
-            plane: file.plane,
+            plane: file.pocket_plane.into(),
             ..default
         };
         // For each layer of the file the fields that a patient may fill.
@@ -366,7 +369,7 @@ impl SceneFile {
             springs: file.springs,
             solver: file.solver,
         };
-        scene.add_muscle();
+        scene.read_muscle(file.muscle)?;
         match file.patient {
             Some(patient) => patient.fill(&mut scene, &given)?,
             None => scene.patient = beside.and_then(|beside| beside.patient.clone()),

@@ -35,7 +35,7 @@ fn scenes() -> Vec<Value> {
         "chest": { "radius_across_mm": 140, "radius_along_mm": 400 },
         "insertion": 1, "layers": layers, "thickness_field": grid("factors", 1.0),
         "patient": { "base_width_mm": 120, "pinch_mm": 30, "skin_pull_mm": 20, "derived": [] },
-        "plane": "dual_plane_ii", "side": "left", "visit": { "reference": "a", "date": "2024-02-29", "surgeon": "b", "remarks": "c",
+        "pocket_plane": "dual_2", "side": "left", "visit": { "reference": "a", "date": "2024-02-29", "surgeon": "b", "remarks": "c",
             "fill_steps": { "start_ml": 100, "visit_ml": 50, "weeks": 1 } },
         "body": { "unit": "mm", "cover_mm": 10, "origin_mm": [80, 340, 120], "axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
             "marks": { "sternal_notch": [0, 500, 90], "navel": [0, 120, 154], "nipple_left": [113, 347, 180],
