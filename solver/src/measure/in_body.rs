@@ -11,6 +11,8 @@ pub struct ImplantInBody {
     pub height_mm: f64,
     /// Greatest half of its width and of its height along the body \[mm\].
     pub half_width_mm: [f64; 2],
+    /// Share of its volume above the centre of its base, towards the head \[-\].
+    pub upper_pole_share: f64,
     /// Young's modulus of its body, the shell's part included \[kPa\].
     pub modulus_kpa: f64,
     /// Elastic energy of its body \[mJ\].
@@ -42,6 +44,7 @@ pub(super) fn of(solution: &Solution) -> Option<ImplantInBody> {
     Some(ImplantInBody {
         height_mm: dome.projection(),
         half_width_mm: soft.greatest_half_axes().to_array(),
+        upper_pole_share: soft.upper_share(),
         modulus_kpa: soft.modulus_kpa(),
         // kPa·mm³ are µJ.
         energy_mj: soft.energy() / 1000.0,

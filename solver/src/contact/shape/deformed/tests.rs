@@ -210,3 +210,35 @@ fn lines_and_sizes_of_a_deformed_body_lie_on_its_surface() {
         assert!((rest.least_length() / shape.rest.least_length() - 1.0).abs() < 1e-12);
     }
 }
+
+/// The map keeps the volume: points of a grid in the body at rest whose images are above, counted.
+#[test]
+fn the_upper_share_is_that_of_points_in_the_body_and_a_half_of_a_body_alike_to_both_sides() {
+    const PARTS: [usize; 3] = [24, 480, 24];
+    for shape in soft() {
+        let (gauge, half) = (shape.rest.gauge::<f64>(), 75.0);
+        let (mut upper, mut whole) = (0.0, 0.0);
+        let [across, along, up] = PARTS;
+        for k in 0..across * along * up {
+            let part = |k: usize, of: usize| ((k % of) as f64 + 0.5) / of as f64;
+            let (x, y) = (part(k, across), part(k / across, along));
+            let z = part(k / across / along, up);
+            let at = [half * (2.0 * x - 1.0), half * (2.0 * y - 1.0), 41.0 * z];
+            if gauge.length_squared(at) < 1.0 {
+                whole += 1.0;
+                upper += f64::from(u8::from(shape.map::<f64>().image(at)[1] >= 0.0));
+            }
+        }
+        assert!(
+            (shape.upper_share() - upper / whole).abs() < 5e-3,
+            "{} {}",
+            shape.upper_share(),
+            upper / whole
+        );
+    }
+    let mut alike = Deformed::at_rest(HalfBall::round(60.0, 40.0), 20.0);
+    alike.modes = [0.2, 0.1, 0.05, 0.03, 0.1, 0.0];
+    assert!((alike.upper_share() - 0.5).abs() < 1e-12);
+    let fuller_below = Deformed::at_rest(HalfBall::round(60.0, 40.0).anatomical(60.0, 18.0), 20.0);
+    assert!(fuller_below.upper_share() < 0.48, "{}", fuller_below.upper_share());
+}
