@@ -137,6 +137,36 @@ pub const PROJECTION: Spread = Spread {
     distribution: Distribution::Normal { mean: -0.035, sd: 0.03 },
 };
 
+/// Factor on the natural tension of the skin \[-\]: in vivo 6–11 and 42–138 N/m contradict each other; with the usual 20 N/m the range of
+/// both.
+pub const NATURAL_TENSION: Spread = Spread {
+    quantity: "natural tension of the skin",
+    unit: "factor",
+    distribution: Distribution::LogNormal { median: 1.0, gsd: 2.2 },
+};
+
+/// Difference of the skin's growth from the plan \[-\]: 0.3 ± 0.2 at a week, 0.8 ± 0.2 from the third month (Eder et al. 2011, Ji et al. 2014:
+/// 85 % of the changes in the first month).
+pub const GROWN: Spread = Spread {
+    quantity: "growth of the skin",
+    unit: "added",
+    distribution: Distribution::Normal { mean: 0.0, sd: 0.2 },
+};
+
+/// Factor on the moduli of the implant's gel and shell \[-\]: makers publish none, measured ones of one kind of gel differ by this.
+pub const FILL_MODULUS: Spread = Spread {
+    quantity: "modulus of the fill",
+    unit: "factor",
+    distribution: Distribution::LogNormal { median: 1.0, gsd: 1.6 },
+};
+
+/// Initial modulus of the muscle \[kPa\]: 3 across its fibres to 30 along them is the range of 9 in 10.
+pub const MUSCLE_MODULUS: Spread = Spread {
+    quantity: "initial modulus of the muscle",
+    unit: "kPa",
+    distribution: Distribution::LogNormal { median: 9.5, gsd: 2.0 },
+};
+
 /// Poisson ratio of fat whose curve is `fat` \[-\]: fat holds its volume.
 pub const FAT_POISSON_RATIO: Spread = Spread {
     quantity: "Poisson ratio of fat",

@@ -84,6 +84,16 @@ impl Fill {
         OF_GEL * (modulus_kpa + OF_SHELL * (modulus_kpa * shell_kpa_mm / base_radius_mm).sqrt())
     }
 
+    /// The fill with a factor on both moduli, as far as they are allowed.
+    pub(crate) fn stiffer(self, factor: f64) -> Self {
+        let Gel { modulus_kpa, shell_kpa_mm } = self.gel();
+        let within = |value: f64, (least, most): (f64, f64)| (factor * value).clamp(least, most);
+        Self::Gel(Gel {
+            modulus_kpa: within(modulus_kpa, MODULUS_KPA),
+            shell_kpa_mm: within(shell_kpa_mm, SHELL_KPA_MM),
+        })
+    }
+
     /// Checks the moduli.
     pub(super) fn check(self) -> Result<(), SceneError> {
         let Gel { modulus_kpa, shell_kpa_mm } = self.gel();

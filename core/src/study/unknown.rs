@@ -64,14 +64,7 @@ unknowns! {
     /// Initial modulus of the layers named adipose \[kPa\] whose curve is not `fat`, by their stress scale.
     FatModulus: "fat_modulus", (0.01, 1e4),
         |scene| scene.layers.iter().any(is_other_fat).then_some(spread::FAT_MODULUS),
-        |scene, base, value| {
-            for (k, base) in layers(base, is_other_fat) {
-                let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
-                if modulus > 0.0 {
-                    Field::StressScale.set(scene, k, base.curve.stress_scale * value / modulus);
-                }
-            }
-        };
+        |scene, base, value| set_moduli(scene, base, is_other_fat, value);
     /// Factor on the thickness of the layers below the first \[-\].
     CoverThickness: "cover_thickness", SCALES,
         |scene| (scene.layers.len() > 1).then_some(spread::COVER_THICKNESS),
@@ -90,9 +83,9 @@ unknowns! {
             scene.pocket_radius_mm = (base.pocket_radius_mm + value).max(least).min(most);
             scene.widen_patch();
         };
-    /// Relative change of the projection \[-\].
+    /// Relative change of the projection \[-\]; that of an implant that yields follows from its fill.
     Projection: "projection", (-0.9, 0.9),
-        |_| Some(spread::PROJECTION),
+        |scene| scene.implant.fill.is_none().then_some(spread::PROJECTION),
         |scene, base, value| Field::Projection.set(scene, 0, base.implant.projection_mm * (1.0 + value));
     /// Poisson ratio of all layers \[-\] but those whose curve is `fat`.
     PoissonRatio: "poisson_ratio", Field::PoissonRatio.limits,
@@ -121,7 +114,30 @@ unknowns! {
                 }
             }
         };
+    /// Factor on the natural tension of the skin \[-\].
+    NaturalTension: "natural_tension", SCALES,
+        |scene| (natural_tension(scene) > 0.0).then_some(spread::NATURAL_TENSION),
+        |scene, base, value| Field::NaturalTension.set(scene, 0, natural_tension(base) * value);
+    /// Added to the growth of the skin \[-\].
+    Grown: "grown", (-1.0, 1.0),
+        |scene| (scene.body.skin_state.grown > 0.0).then_some(spread::GROWN),
+        |scene, base, value| {
+            // A skin that does not grow is another study's scene: the least growth stays.
+            let grown = base.body.skin_state.grown + value;
+            Field::Grown.set(scene, 0, grown.max(LEAST_GROWN));
+        };
+    /// Factor on the moduli of the implant's gel and shell \[-\].
+    FillModulus: "fill_modulus", SCALES,
+        |scene| scene.implant.fill.map(|_| spread::FILL_MODULUS),
+        |scene, base, value| scene.implant.fill = base.implant.fill.map(|fill| fill.stiffer(value));
+    /// Initial modulus of the muscle over the implant \[kPa\], by its stress scale.
+    MuscleModulus: "muscle_modulus", (0.01, 1e4),
+        |scene| scene.layers.iter().any(Layer::is_muscle).then_some(spread::MUSCLE_MODULUS),
+        |scene, base, value| set_moduli(scene, base, Layer::is_muscle, value);
 }
+
+/// Least sampled growth \[-\].
+const LEAST_GROWN: f64 = 0.01;
 
 impl Unknown {
     fn row(self) -> &'static Row {
@@ -172,13 +188,28 @@ fn set_ratios(scene: &mut Scene, base: &Scene, is_wanted: fn(&Layer) -> bool, va
     layers(base, is_wanted).for_each(|(k, _)| Field::PoissonRatio.set(scene, k, value));
 }
 
+/// Sets the initial modulus \[kPa\] of the layers of a kind by their stress scale.
+fn set_moduli(scene: &mut Scene, base: &Scene, is_wanted: fn(&Layer) -> bool, value: f64) {
+    for (k, base) in layers(base, is_wanted) {
+        let modulus = Curve::scaled(&base.curve).map_or(0.0, |curve| curve.slope(0.0));
+        if modulus > 0.0 {
+            Field::StressScale.set(scene, k, base.curve.stress_scale * value / modulus);
+        }
+    }
+}
+
+fn natural_tension(scene: &Scene) -> f64 {
+    scene.body.skin_state.natural_tension_n_per_m
+}
+
 /// Have two scenes the same sampled patients? The sides, the visits, the implant's references, and names and measurements that no
 /// unknown depends on may differ.
 #[must_use]
 pub fn has_same_patients(a: &Scene, b: &Scene) -> bool {
-    let fat = |scene: &Scene| scene.layers.iter().map(is_other_fat).collect::<Vec<_>>();
+    let kind = |layer: &Layer| (is_other_fat(layer), layer.is_muscle());
+    let kinds = |scene: &Scene| scene.layers.iter().map(kind).collect::<Vec<_>>();
     let has_same_spreads = || Unknown::ALL.into_iter().all(|it| it.spread(a) == it.spread(b));
-    a == b || a.same_physics(b) && fat(a) == fat(b) && has_same_spreads()
+    a == b || a.same_physics(b) && kinds(a) == kinds(b) && has_same_spreads()
 }
 
 fn has_other_curve(layer: &Layer) -> bool {
@@ -207,7 +238,7 @@ fn has_own_scale(scene: &Scene) -> bool {
 mod tests {
     use super::*;
     use crate::clinical::spread::Distribution;
-    use crate::scene::{ChestShape, Side, Visit};
+    use crate::scene::{ChestShape, Plane, Side, Visit};
     use crate::study::{Parameter, with_values};
 
     #[test]
@@ -267,6 +298,47 @@ mod tests {
         assert_eq!(sampled(ChestShape::USUAL, -60.0), (97.5, None));
         let hollow = ChestShape { radius_across_mm: -200.0, radius_along_mm: Some(500.0) };
         assert_eq!(sampled(hollow, 15.0), (-185.0, Some(500.0)));
+    }
+
+    #[test]
+    fn tension_growth_fill_and_muscle_are_unknown_where_a_plan_has_them() {
+        let living =
+            [Unknown::NaturalTension, Unknown::Grown, Unknown::FillModulus, Unknown::MuscleModulus];
+        let opening = Scene::opening();
+        assert!(living.iter().all(|unknown| unknown.spread(&opening).is_none()));
+        assert!(Unknown::Projection.spread(&opening).is_some());
+        let mut base = Scene::first_plan();
+        base.body.skin_state.natural_tension_n_per_m = 20.0;
+        base.body.skin_state.grown = 0.3;
+        base.set_plane(Some(Plane::Below));
+        assert_eq!(base.validate(), Ok(()));
+        assert!(living.iter().all(|unknown| unknown.spread(&base).is_some()));
+        // The projection of an implant that yields is a result.
+        assert_eq!(Unknown::Projection.spread(&base), None);
+        let sampled = |unknown: Unknown, value: f64| {
+            let mut scene = base.clone();
+            unknown.apply(&mut scene, &base, value);
+            assert_eq!(scene.validate(), Ok(()), "{unknown:?} {value}");
+            scene
+        };
+        for (value, tension) in [(2.0, 40.0), (0.5, 10.0), (20.0, 300.0)] {
+            let state = sampled(Unknown::NaturalTension, value).body.skin_state;
+            assert!((state.natural_tension_n_per_m - tension).abs() < 1e-12);
+        }
+        for (value, grown) in [(0.2, 0.5), (-0.5, LEAST_GROWN), (1.0, 1.0)] {
+            let state = sampled(Unknown::Grown, value).body.skin_state;
+            assert!((state.grown - grown).abs() < 1e-12);
+        }
+        // A factor on both moduli is one on the modulus of the whole body.
+        let modulus = |scene: &Scene| scene.implant.fill.unwrap().modulus_kpa(60.0);
+        for factor in [0.5, 1.6] {
+            let ratio = modulus(&sampled(Unknown::FillModulus, factor)) / modulus(&base);
+            assert!((ratio - factor).abs() < 1e-12, "{ratio}");
+        }
+        sampled(Unknown::FillModulus, 20.0);
+        sampled(Unknown::FillModulus, 0.05);
+        let muscle = sampled(Unknown::MuscleModulus, 12.0).layers.pop().unwrap();
+        assert!((Curve::scaled(&muscle.curve).unwrap().slope(0.0) - 12.0).abs() < 1e-9);
     }
 
     #[test]

@@ -216,6 +216,7 @@ pub(super) fn measurement(unknown: Unknown) -> Option<&'static str> {
         Unknown::CoverThickness => Some(tr("the pinch, or the fat by ultrasound")),
         Unknown::SkinThickness => Some(tr("the thickness of the skin, by ultrasound")),
         Unknown::ChestRadius => Some(tr("the curvature of the chest")),
+        Unknown::FillModulus => Some(tr("the fill, by its maker")),
         _ => None,
     }
 }
@@ -305,6 +306,31 @@ pub(super) fn words(unknown: Unknown) -> Words {
         Unknown::FatStressScale => Words {
             name: tr("Stiffness of the fat"),
             tooltip: tr("All stresses of the fat, as a factor on the plan's"),
+            ..of_plan
+        },
+        Unknown::NaturalTension => Words {
+            name: tr("Tension of the skin"),
+            tooltip: tr("Tension of the skin at rest, as a factor on the plan's"),
+            ..of_plan
+        },
+        Unknown::Grown => Words {
+            name: tr("Growth of the skin"),
+            tooltip: tr("Difference of the skin's growth from the plan"),
+            unit: "%, added",
+            kind: Kind::Percent,
+            factor: 100.0,
+            most_sd: 1.0,
+        },
+        Unknown::FillModulus => Words {
+            name: tr("Stiffness of the implant"),
+            tooltip: tr("Moduli of gel and shell, as a factor on the plan's"),
+            ..of_plan
+        },
+        Unknown::MuscleModulus => Words {
+            name: tr("Stiffness of the muscle"),
+            tooltip: tr("Initial modulus of the muscle at rest; it replaces the plan's"),
+            unit: "kPa",
+            kind: Kind::Stress,
             ..of_plan
         },
         Unknown::FatPoissonRatio => Words {
