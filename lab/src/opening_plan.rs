@@ -56,7 +56,7 @@ fn forms() -> Result<Vec<(String, Scene)>, SceneError> {
         scene
     };
     let mut all = vec![
-        ("as it opens: rigid, skin without a tension".to_owned(), plain.clone()),
+        ("rigid, skin without a tension".to_owned(), plain.clone()),
         ("cohesive".to_owned(), filled(Fill::Cohesive, &plain)),
         (format!("skin under {TENSION_N_PER_M} N/m"), tense.clone()),
     ];

@@ -116,7 +116,7 @@ mod _native {
 
     #[pyfunction]
     fn opening_scene() -> String {
-        Scene::opening().to_json()
+        Scene::first_plan().to_json()
     }
 
     #[pyfunction]

@@ -35,7 +35,7 @@ pub fn run() -> eframe::Result {
         options,
         Box::new(|cc| {
             let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
-            let app = App::new(ctx, gl, Scene::opening(), beside_window)?;
+            let app = App::new(ctx, gl, Scene::first_plan(), beside_window)?;
             Ok(Box::new(Window::new(app, Folder::of_user())))
         }),
     )

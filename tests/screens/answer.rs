@@ -34,8 +34,8 @@ fn the_texts_of_the_cards_are_whole_with_and_without_sampled_patients() {
 }
 
 #[test]
-fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
-    let mut harness = researching(DESKTOP, |scene| *scene = Scene::opening());
+fn the_first_plan_is_a_usual_one_with_every_card_computed() {
+    let mut harness = researching(DESKTOP, |scene| *scene = Scene::first_plan());
     let scene = harness.state().session().scene().clone();
     assert_eq!((scene.implant.base_radius_mm, scene.pocket_radius_mm), (60.0, 70.0));
     let value = |harness: &Harness<'static, App>, name: &'static str| {
@@ -56,7 +56,7 @@ fn the_opening_plan_is_a_usual_one_with_every_card_computed() {
     assert_eq!(harness.query_all_by_label("usual").count(), 1);
     harness.get_by_label("below practice");
     harness.get_by_label("not thin");
-    harness.get_by_label_contains("225 ml, 12 cm: below practice. Stretch 16 %, cover 8.");
+    harness.get_by_label_contains("225 ml, 12 cm: below practice. Stretch 15 %, cover 8.");
     harness.get_by_label_contains("practice's 300 ml: 21 %");
     harness.get_by_label("Practice takes 300 ml");
     harness.get_by_label("standard model, normal accuracy");

@@ -67,6 +67,8 @@ fn an_expander_is_rigid_and_has_no_fill_to_choose() {
     press(&mut harness, "expander");
     assert_eq!(fill_of(&harness), None);
     assert!(harness.query_by_role_and_label(Role::ComboBox, "Filled with").is_none());
+    // An implant is one of cohesive gel again.
     press(&mut harness, "round");
     assert!(harness.query_by_role_and_label(Role::ComboBox, "Filled with").is_some());
+    assert_eq!(fill_of(&harness), Some(Fill::Cohesive));
 }

@@ -125,7 +125,7 @@ fn a_dragged_slider_changes_the_scene_and_undo_reverts_the_change() {
 fn the_half_sphere_is_an_example_of_the_menu_and_the_plan_comes_back() {
     let mut harness = researching(DESKTOP, |scene| scene.set_tissue_model(TissueModel::Sheet));
     for (example, scene) in
-        [("Half sphere of 11 cm", Scene::default()), ("Usual implant", Scene::opening())]
+        [("Half sphere of 11 cm", Scene::default()), ("Usual implant", Scene::first_plan())]
     {
         harness.get_by_role_and_label(Role::Button, "File").click();
         harness.run();
@@ -296,7 +296,7 @@ fn a_kept_plan_is_the_first_plan_of_the_next_start() {
         assert_eq!(second.state().session().scene(), &kept);
     }
     press(&mut second, "Start over");
-    assert_eq!(second.state().session().scene(), &Scene::opening());
+    assert_eq!(second.state().session().scene(), &Scene::first_plan());
 }
 
 #[test]

@@ -134,10 +134,10 @@ const OPENING_CHEST: ChestShape = ChestShape::USUAL;
 const OPENING_VOLUME_ML: f64 = 225.0;
 
 impl Scene {
-    /// The plan that the app opens with, a usual one: an implant of 12 cm and 225 ml in a pocket 1 cm wider all round,
+    /// A usual plan, of the tables of the docs: a rigid implant of 12 cm and 225 ml in a pocket 1 cm wider all round,
     /// pinch 2 cm, normal skin, the chest of `OPENING_CHEST`.
     ///
-    /// [`Scene::default`] keeps the defaults of files.
+    /// [`Scene::default`] keeps the defaults of files; the app opens with [`Self::first_plan`].
     #[must_use]
     pub fn opening() -> Self {
         let mut scene = Self::from_json(OPENING).unwrap_or_default();
@@ -146,6 +146,14 @@ impl Scene {
             scene.implant.projection_mm = size.projection_mm();
         }
         scene.chest = Some(OPENING_CHEST);
+        scene
+    }
+
+    /// The plan that the app opens with: the usual one, of an implant filled with cohesive gel.
+    #[must_use]
+    pub fn first_plan() -> Self {
+        let mut scene = Self::opening();
+        scene.implant.fill = Some(Fill::Cohesive);
         scene
     }
 

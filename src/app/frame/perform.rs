@@ -94,7 +94,7 @@ impl App {
                 let name = files::name_with_size(session.scene(), choices.device, "profile", "csv");
                 self.files.save(ctx, &name, table);
             }
-            Task::UsualImplant | Task::StartOver => self.open_example(Scene::opening()),
+            Task::UsualImplant | Task::StartOver => self.open_example(Scene::first_plan()),
             Task::HalfSphere => self.open_example(Scene::default()),
             Task::Undo => self.undo(),
             Task::Redo => self.execute(Command::Redo),

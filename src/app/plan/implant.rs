@@ -9,7 +9,7 @@ use crate::app::widgets::{
     Control, Kind, kept_lines, quantity::significant, remark, set_accessible_name,
 };
 use crate::clinical::{Dimension, ProfileClass, Size, limits};
-use crate::scene::{Field, Scene};
+use crate::scene::{Field, Fill, Scene};
 use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, vec2};
 use std::ops::RangeInclusive;
 
@@ -98,7 +98,7 @@ fn device(ui: &mut Ui, scene: &mut Scene, choices: &mut Choices, hand: Hand) {
             if choices.device != device {
                 choices.follows = Dimension::Projection;
                 // The shell of an expander is taut.
-                scene.implant.fill = scene.implant.fill.filter(|_| device == Device::Implant);
+                scene.implant.fill = (device == Device::Implant).then_some(Fill::Cohesive);
             }
             (choices.device, choices.last) = (device, None);
             shape::set_anatomical(scene, choices, becomes_anatomical);

@@ -45,7 +45,7 @@ pub fn simulate(
 #[wasm_bindgen]
 #[must_use]
 pub fn opening_scene() -> String {
-    Scene::opening().to_json()
+    Scene::first_plan().to_json()
 }
 
 /// The scene of the defaults (JSON text): a hemisphere under layered tissue.

@@ -239,7 +239,7 @@ impl PageHost {
                 let before = before.and_then(|json| Scene::from_json(&json).ok());
                 let is_kept = before.is_some();
                 let (ctx, gl) = (&cc.egui_ctx, cc.gl.as_ref());
-                let scene = before.unwrap_or_else(Scene::opening);
+                let scene = before.unwrap_or_else(Scene::first_plan);
                 let new = App::new(ctx, gl, scene, |wake| Box::new(Workers::new(move || wake())))?;
                 let new = app.insert(new);
                 keep::restore_preferences(new, &Origin);
