@@ -92,7 +92,7 @@ mod tests {
     /// Anatomical implants that yield: flatter, fuller at the shoulder, wider, leaning.
     fn yielding() -> impl Iterator<Item = Dome> {
         anatomical().into_iter().map(|dome| {
-            let rest = dome.shape.half_ball().unwrap().clone();
+            let rest = dome.shape.half_ball().unwrap();
             let soft =
                 Deformed::at_rest(rest, 20.0).with_modes([0.1, 0.05, 0.04, 0.02, 0.03, -0.05]);
             Dome { shape: soft.into(), ..dome }
