@@ -47,6 +47,11 @@ impl Column {
         Self { quantity, own, is_log: is_factor(quantity) && least > 0.0, bounds, least_scale }
     }
 
+    /// Has the quantity kinks? The greatest pressure has one where those over the shoulder and over the apex are equal.
+    pub(super) fn has_kink(&self) -> bool {
+        matches!(self.quantity, Quantity::GreatestPressureKpa | Quantity::GreatestPressureMmhg)
+    }
+
     /// The number that the function goes through at a point.
     pub(super) fn fitted(&self, point: usize) -> f64 {
         if self.is_log { self.own[point].ln() } else { self.own[point] }

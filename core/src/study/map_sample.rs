@@ -1,7 +1,7 @@
 //! A map from some of its points: solved where the quantities bend, interpolated between.
 //!
-//! A lattice is solved first. A smooth function of each quantity goes through the solved points ([`Surface`]); where it differs most from a
-//! less smooth one, relative to the quantity's aim, further points are solved, round by round. Points at the border of no answer
+//! A lattice is solved first. A smooth function of each quantity goes through the solved points ([`Surface`]), of a quantity with kinks a less smooth
+//! one; where both differ most, relative to the quantity's aim, further points are solved, round by round. Points at the border of no answer
 //! are solved too, those farthest from solved ones first, which halves the way between a point with and one without an answer. A round
 //! begins once all points of the one before are solved, so that the points do not depend on the number of threads.
 
@@ -300,11 +300,14 @@ impl Map {
                     let of_column = all.iter().skip(k).step_by(columns.len());
                     of_column.map(|fitted| column.value(*fitted)).collect()
                 };
-                let (found, compared) = (of(&found), of(&compared));
+                let (mut found, mut compared, mut through) = (of(&found), of(&compared), &smooth);
+                if column.has_kink() {
+                    (found, compared, through) = (compared, found, &other);
+                }
                 let differences = found.iter().zip(compared);
                 let differences =
                     differences.map(|(a, b)| (a - b).abs() / column.scale(*a)).collect();
-                let missed = column.left_out(smooth.left_out(k));
+                let missed = column.left_out(through.left_out(k));
                 let floor = LEFT_OUT * median(missed);
                 for (item, difference) in self.spread(differences).into_iter().enumerate() {
                     // An answer is expected here, with this quantity.
