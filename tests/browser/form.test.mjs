@@ -98,7 +98,8 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
     assert.equal(await harness.place(page), "form");
     assert.ok((await box()).width > 300);
 
-    // A typed number becomes one of the scene, the answer follows.
+    // A typed number becomes one of the scene, the answer follows: behind the implant and its fill is the width.
+    await page.keyboard.press("Tab");
     await page.keyboard.press("Tab");
     await page.keyboard.press("Control+a");
     await page.keyboard.type("13,2");

@@ -133,7 +133,7 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     assert.equal(picture.bytes.toString("latin1", 1, 4), "PNG");
     // Of its own width, whatever the window, and as high as its texts need.
     assert.equal(picture.bytes.readUInt32BE(16), 2000);
-    assert.equal(picture.bytes.readUInt32BE(20), 1712);
+    assert.equal(picture.bytes.readUInt32BE(20), 1752);
 
     const report = await save(page, "Save report (HTML)…");
     assert.equal(report.name, `implant-340ml-${today}.html`);
