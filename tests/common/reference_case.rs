@@ -36,6 +36,7 @@ pub(crate) fn input(case: &Value) -> Input {
         },
         layers: case["layers"].as_array().unwrap().iter().map(material).collect(),
         skin_wrinkles: false,
+        void_mm3: None,
         rest: RestShape::default(),
         cells: [count("nr"), count("nz")],
     }

@@ -1,6 +1,6 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
-use super::{Plane, Scene, SceneError, SkinState, field, limits, out_of_range};
+use super::{Field, Plane, Scene, SceneError, SkinState, field, limits, out_of_range};
 use crate::curve::{Curve, present, whole_of};
 use crate::mesh::{Attachment, Edge, Patch, balanced_cells};
 use crate::springs::Springs;
@@ -33,6 +33,9 @@ pub struct Body {
     /// The plane of the pocket; `None`: above the muscle, or below an innermost layer that is as the others.
     #[serde(rename = "pocket_plane", skip_serializing_if = "Option::is_none")]
     pub plane: Option<Plane>,
+    /// Greatest void between tissue, implant and wall within the pocket \[ml\]; `None`: as large as it gets.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pocket_void_ml: Option<f64>,
 }
 
 fn is_default(state: &SkinState) -> bool {
@@ -134,6 +137,7 @@ impl Body {
             attachment: AttachmentSettings::default(),
             skin_state: SkinState::default(),
             plane: None,
+            pocket_void_ml: None,
         }
     }
 
@@ -179,6 +183,7 @@ impl Scene {
             self.set_chest(None);
             self.thickness_field = None;
             self.body.plane = None;
+            self.body.pocket_void_ml = None;
             self.body.skin_state = SkinState::default();
         }
         if tissue_model == TissueModel::Layered {
@@ -206,7 +211,9 @@ impl Scene {
         self.check_skin_state()?;
         self.check_plane()?;
         if !self.is_layered() {
-            return Ok(());
+            let name = Field::PocketVoid.path;
+            let refused = || out_of_range(name, "given".to_owned(), "in layered tissue only");
+            return self.body.pocket_void_ml.map_or(Ok(()), |_| Err(refused()));
         }
         let (least, most) = limits::CELLS_THROUGH;
         if let Some(CellsThrough::Count(count)) = self.solver.cells_through

@@ -6,7 +6,7 @@ use crate::curve::Curve;
 use crate::mesh::{
     Chest, NaturalStretch, Patch, Rest, Sheet, ThicknessField, rounded_nodes_per_side,
 };
-use crate::solve::{Problem, Tissue};
+use crate::solve::{Problem, Tissue, Void};
 use crate::springs::Material;
 use glam::DVec2;
 use std::sync::Arc;
@@ -164,6 +164,9 @@ impl CheckedScene {
             materials,
             springs: *springs,
             tolerance: solver.tolerance,
+            void: body
+                .and_then(|body| body.pocket_void_ml)
+                .map(|most_ml| Void { most_mm3: 1000.0 * most_ml, suction_kpa: 0.0 }),
         }
     }
 }

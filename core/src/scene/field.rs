@@ -99,6 +99,7 @@ pub struct Row {
 macro_rules! value {
     (Scene $of:ident.$number:ident = $present:path) => { |scene, _| Some($present(&scene.$of)) };
     (Scene $($at:tt)+) => { |scene, _| Some(scene.$($at)+) };
+    (Body $of:ident?) => { |scene, _| scene.body.$of };
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_ref()?.radius($axis) };
@@ -114,6 +115,7 @@ macro_rules! place {
         }
     };
     (Scene $($at:tt)+) => { |scene, _| Some(&mut scene.$($at)+) };
+    (Body $of:ident?) => { |scene, _| scene.body.$of.as_mut() };
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_mut()?.place($axis) };
@@ -197,6 +199,8 @@ fields! {
         "", PLAIN, "";
     Grown: "skin_state.grown", Body[skin_state.grown], "growth of the skin", "", (0.0, 1.0), Tables;
         "", PLAIN, "";
+    PocketVoid: "pocket_void_ml", Body[pocket_void_ml?], "greatest void of the pocket", "ml", (0.0, 200.0), Dome;
+        "", MILLILITRES, "";
     ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
         "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
     ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;
@@ -407,6 +411,7 @@ mod tests {
             relaxed: 0.6,
             grown: 0.3,
         };
+        scene.body.pocket_void_ml = Some(12.0);
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let mut on_torso = scene.clone();

@@ -167,6 +167,10 @@ pub(super) struct SceneFile {
     /// The muscle that a `pocket_plane` adds. A written scene has it as its innermost layer.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) muscle: Option<Muscle>,
+    /// Of layered tissue: greatest void between tissue, implant and wall within the pocket \[ml\], 0 to 200. Default: as large as it gets.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
+    pub(super) pocket_void_ml: Option<f64>,
     /// Time after the operation, in place of `skin_state.relaxed` and `skin_state.grown`. A written scene has those.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "When")]
@@ -333,6 +337,7 @@ impl SceneFile {
             attachment: file.attachment.unwrap_or_default(),
             skin_state: skin_state(file.skin_state.unwrap_or_default(), file.when)?,
             plane: file.pocket_plane.into(),
+            pocket_void_ml: file.pocket_void_ml,
             ..default
         };
         // For each layer of the file the fields that a patient may fill.

@@ -347,6 +347,7 @@ fn set(scene: &mut Scene, parameter: Parameter, value: f64) -> Result<(), Parame
             chest.set(field, value);
             scene.set_chest(Some(chest));
         }
+        Parameter::Number(Field::PocketVoid, _) => scene.body.pocket_void_ml = Some(value),
         Parameter::PoissonRatio => {
             scene.layers.iter_mut().for_each(|layer| layer.poisson_ratio = value);
         }

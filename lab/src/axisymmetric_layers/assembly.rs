@@ -8,6 +8,7 @@
 use super::banded::Banded;
 use super::element::{Attachment, Quadrilateral, Skin, SkinRing};
 use super::law::SolidLaw;
+use super::suction::Suction;
 use super::wall::RestShape;
 use implant_preview_core::springs::Material;
 
@@ -37,6 +38,8 @@ pub(super) struct Tissue {
     cells: Vec<Quadrilateral>,
     /// Attachment of each ring of the inner face, \[M₀₀, M₀₁, M₁₁\] \[kPa·mm\].
     attachment: Vec<[f64; 3]>,
+    /// Suction on the inner face over the pocket.
+    pub(super) suction: Suction,
 }
 
 impl Tissue {
@@ -92,6 +95,7 @@ impl Tissue {
             law_of_row,
             cells: cells.collect(),
             attachment: (0..columns).map(attached).collect(),
+            suction: Suction { kpa: 0.0, rings: within, wall },
             radii,
             heights,
         };
@@ -206,7 +210,18 @@ impl Tissue {
             sum += 0.5 * (m00 * (r0 * r0 + z0 * z0) + m11 * (r1 * r1 + z1 * z1))
                 + m01 * (r0 * r1 + z0 * z1);
         }
-        sum
+        sum + self.suction.energy(|column| self.at_inner(x, column))
+    }
+
+    /// [r, z] of a node of the inner face.
+    fn at_inner(&self, x: &[f64], column: usize) -> [f64; 2] {
+        let n = self.number(column, 0);
+        [x[n], x[n + 1]]
+    }
+
+    /// Volume between wall and inner face over the pocket \[mm³\].
+    pub(super) fn enclosed(&self, x: &[f64]) -> f64 {
+        self.suction.volume(|column| self.at_inner(x, column))
     }
 
     /// Energy \[µJ\]; writes gradient \[mN\] and Hessian \[N/m\]. `None` if a cell is inverted.
@@ -243,7 +258,11 @@ impl Tissue {
             let force = m.map(|row| row.iter().zip(&u).map(|(m, u)| m * u).sum());
             sum += 0.5 * force.iter().zip(&u).map(|(f, u): (&f64, &f64)| f * u).sum::<f64>();
             scatter(&numbers, &force, &m, gradient, hessian);
+            if let Some((pull, bend)) = self.suction.ring(column, numbers.map(|n| x[n])) {
+                scatter(&numbers, &pull, &bend, gradient, hessian);
+            }
         }
+        sum += self.suction.energy(|column| self.at_inner(x, column));
         Some(sum)
     }
 }

@@ -27,6 +27,7 @@ mod contact;
 mod element;
 mod law;
 mod newton;
+mod suction;
 mod wall;
 
 pub use element::Attachment;
@@ -75,6 +76,8 @@ pub struct Input {
     pub layers: Vec<Material>,
     /// Does the skin wrinkle instead of being compressed (tension field), as in every scene? The independent solutions compress it.
     pub skin_wrinkles: bool,
+    /// Greatest void between tissue, dome and wall within the pocket \[mm³\], held by a suction; absent: as large as it gets.
+    pub void_mm3: Option<f64>,
     /// Wall and mound at rest. On a curved wall pocket, patch and material radii are lengths along the wall, thickness is along its normals,
     /// and heights of the dome count from the wall below.
     pub rest: RestShape,
@@ -102,6 +105,7 @@ impl Input {
             },
             layers: materials.clone(),
             skin_wrinkles: true,
+            void_mm3: problem.void.map(|void| void.most_mm3),
             rest: RestShape {
                 wall: Wall { radius_mm: scene.chest.map(|chest| chest.radius_across_mm) },
                 mound: None,
@@ -163,6 +167,8 @@ pub struct Solution {
     pub skin_area_ratio_over_pocket: f64,
     /// Volume under the inner face over the pocket less the dome's over the wall \[mm³\].
     pub void_mm3: f64,
+    /// Suction that holds the void \[kPa\].
+    pub suction_kpa: f64,
     /// \[r, z\] of the inner face \[mm\] at [`PROFILE_POINTS`] equal steps of the material radius, 0 to the patch
     /// radius.
     pub inner: Vec<[f64; 2]>,
@@ -249,6 +255,10 @@ pub fn solve(input: &Input) -> Result<Solution, LayersError> {
         }
         return Err(not_found());
     }
+    if let Some(most) = input.void_mm3 {
+        let filled = volume_over_wall(input);
+        found = newton::limited(&mut tissue, found, (filled, most)).ok_or_else(not_found)?;
+    }
     Ok(measure(input, &tissue, &found))
 }
 
@@ -287,27 +297,6 @@ fn check(input: &Input) -> Result<(), LayersError> {
         return Err(LayersError::Cells { nr, nz });
     }
     Ok(())
-}
-
-/// Volume between wall and inner face over the pocket \[mm³\].
-fn enclosed(input: &Input, tissue: &Tissue, x: &[f64]) -> f64 {
-    let node = |column: usize| {
-        let n = tissue.number(column, 0);
-        [x[n], x[n + 1]]
-    };
-    let wall = input.rest.wall;
-    let most = input.pocket_radius_mm * (1.0 + 1e-9);
-    let in_pocket = (1..tissue.columns).filter(|column| tissue.radius(*column) <= most);
-    // Simpson's rule along each straight edge.
-    let ring = |column: usize| {
-        let ([r0, z0], [r1, z1]) = (node(column - 1), node(column));
-        let at = |share: f64| {
-            let r = r0 + share * (r1 - r0);
-            r * (z0 + share * (z1 - z0) - wall.height(r)[0])
-        };
-        2.0 * PI * (r1 - r0) * (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
-    };
-    in_pocket.map(ring).sum()
 }
 
 /// Volume of the dome over the wall \[mm³\]: πR²p ∫ (1 − sᵐ) ds over the heights s \[p\].
@@ -362,7 +351,8 @@ fn measure(input: &Input, tissue: &Tissue, found: &Equilibrium) -> Solution {
         apex_skin_mm: node(0, top)[1],
         skin_apex_stretch: node(1, top)[0] / node_of(&tissue.rest, 1, top)[0],
         skin_area_ratio_over_pocket: area(&found.x) / area(&tissue.rest),
-        void_mm3: enclosed(input, tissue, &found.x) - volume_over_wall(input),
+        void_mm3: tissue.enclosed(&found.x) - volume_over_wall(input),
+        suction_kpa: tissue.suction.kpa,
         inner: profile(0),
         skin: profile(top),
         pressure_kpa: found.normal_forces(tissue).iter().zip(areas).map(|(f, a)| f / a).collect(),

@@ -35,6 +35,11 @@ const FIRST_SHIFT: f64 = 1e-4;
 const SHIFT_GROWTH: f64 = 4.0;
 const MAX_SHIFT: f64 = 1e4;
 
+/// Difference of the volume from the wanted one at the end \[mm³\], most steps, and the first suction \[kPa\].
+const TOLERANCE_MM3: f64 = 2.0;
+const MOST_STEPS: usize = 60;
+const FIRST_KPA: f64 = 0.05;
+
 /// The equilibrium.
 pub(super) struct Equilibrium {
     /// Coordinates \[mm\].
@@ -73,7 +78,7 @@ pub(super) fn equilibrium(meshes: &[Tissue], section: Section) -> Result<Equilib
     Ok(Equilibrium::new(tissue, x, contact))
 }
 
-/// The equilibrium of a mesh whose skin has grown, from the one before.
+/// The equilibrium of a mesh whose skin has grown, or whose inner face is under another suction, from the one before.
 pub(super) fn again(tissue: &Tissue, before: Equilibrium) -> Option<Equilibrium> {
     let Equilibrium { x, contact, .. } = before;
     let section = contact.section;
@@ -81,6 +86,35 @@ pub(super) fn again(tissue: &Tissue, before: Equilibrium) -> Option<Equilibrium>
     search
         .solve(FINE * section.base_radius)
         .then(|| Equilibrium::new(tissue, search.x, search.contact))
+}
+
+/// The equilibrium under the suction at which the volume is no larger than wanted \[mm³\]: regula falsi of V^(−1/2) of the void.
+pub(super) fn limited(
+    tissue: &mut Tissue,
+    mut found: Equilibrium,
+    (filled, most): (f64, f64),
+) -> Option<Equilibrium> {
+    let root = |volume: f64| (volume - filled).max(1.0).powf(-0.5);
+    let wanted = root(filled + most);
+    let mut before: Option<[f64; 2]> = None;
+    for _ in 0..MOST_STEPS {
+        let volume = tissue.enclosed(&found.x) - filled;
+        let kpa = tissue.suction.kpa;
+        if (volume - most).abs() < TOLERANCE_MM3 || kpa <= 0.0 && volume <= most {
+            return Some(found);
+        }
+        let own = root(filled + volume);
+        tissue.suction.kpa = match before {
+            None => FIRST_KPA,
+            Some([kpa_before, before]) => {
+                let next = kpa + (wanted - own) * (kpa - kpa_before) / (own - before);
+                next.clamp(0.5 * kpa, 1.5 * kpa)
+            }
+        };
+        before = Some([kpa, own]);
+        found = again(tissue, found)?;
+    }
+    None
 }
 
 impl Equilibrium {

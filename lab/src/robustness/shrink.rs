@@ -46,6 +46,7 @@ fn simpler(scene: &Scene) -> Vec<Scene> {
         offer(&|s| s.solver.cells_through = Some(CellsThrough::Count(1)));
         offer(&|s| s.body = Body { attachment: default.attachment, ..body });
         offer(&|s| s.body = Body { skin_state: default.skin_state, ..body });
+        offer(&|s| s.body = Body { pocket_void_ml: None, ..body });
         let patch_radius_mm = default.patch_radius_mm;
         offer(&|s| s.body = Body { patch_radius_mm, ..body });
     }

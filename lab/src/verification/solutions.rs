@@ -196,6 +196,7 @@ impl Reference {
                 attachment: Attachment { stiffness_kpa_per_mm, ramp_mm },
                 layers: problem.materials.clone(),
                 skin_wrinkles,
+                void_mm3: None,
                 rest: RestShape { wall: Wall { radius_mm: self.chest_mm }, ..RestShape::default() },
                 cells,
             })

@@ -84,9 +84,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         Tissue::Layered => layered::pocket_weight(problem.sheet(), pocket_radius, k),
     };
     outcome.measure_contact(fields, selection);
-    if selection.wants("void_ml") {
-        outcome.void_ml = solution.void_mm3().map(|void| void / 1000.0);
-    }
+    outcome.measure_void(solution, selection);
     if selection.wants("profile") {
         outcome.profile = profile::along_x(solution);
     }
@@ -236,6 +234,7 @@ impl Outcome {
             profile_skin_y: Vec::new(),
             cover_mm: None,
             void_ml: None,
+            suction_kpa: None,
             skin_area: None,
             attachment_traction_kpa: None,
             wrinkled: None,
@@ -257,6 +256,28 @@ impl Outcome {
             },
             patient_values: Vec::new(),
             warnings: Vec::new(),
+        }
+    }
+
+    /// Adds the void, the suction of one that is limited, and a warning where it is larger.
+    fn measure_void(&mut self, solution: &Solution, selection: &Selection) {
+        let limit = solution.problem().void;
+        self.suction_kpa = limit.map(|void| void.suction_kpa);
+        let wants_warnings = limit.is_some() && selection.wants("warnings");
+        if !selection.wants("void_ml") && !wants_warnings {
+            return;
+        }
+        let void = solution.void_mm3();
+        self.void_ml = void.map(|void| void / 1000.0).filter(|_| selection.wants("void_ml"));
+        if let (Some(void), Some(limit)) = (void, limit)
+            && void > LARGER * limit.most_mm3 + LEAST_VOID_MM3
+        {
+            let ml = void / 1000.0;
+            self.warnings.push(format!(
+                "The void of the pocket stays at {ml:.1} ml: under a suction of {:.1} kPa, and on this grid, the tissue \
+                 does not reach further into the corner at the implant's rim.",
+                limit.suction_kpa
+            ));
         }
     }
 
@@ -403,6 +424,9 @@ impl Outcome {
 
 /// Cells across a radius of curvature above which the grid resolves the curvature.
 const LEAST_CELLS: f64 = 2.0;
+/// Void above its greatest volume that a warning names \[greatest volume; mm³\].
+const LARGER: f64 = 1.01;
+const LEAST_VOID_MM3: f64 = 50.0;
 /// The least strain at which a homogeneous stretch of the paper's springs is unstable \[-\] (adipose, ν 0.5).
 const UNEVEN_STRAIN: f64 = 0.1;
 

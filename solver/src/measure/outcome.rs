@@ -90,6 +90,9 @@ pub struct Outcome {
     /// Layered tissue: void between tissue, implant and wall within the pocket \[ml\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub void_ml: Option<f64>,
+    /// With a greatest void of the pocket: the suction that holds it \[kPa\], zero where the void is smaller by itself; otherwise absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub suction_kpa: Option<f64>,
     /// Layered tissue: area of the skin before and after.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin_area: Option<SkinArea>,

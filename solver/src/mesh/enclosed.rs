@@ -19,3 +19,24 @@ pub(crate) fn area<R: Real>(node: usize, pitch: usize, place: impl Fn(usize) -> 
     let along = [north[0] - south[0], north[1] - south[1]];
     R::splat(0.25) * (across[0] * along[1] - along[0] * across[1])
 }
+
+/// Derivative of V by the place of a node through its neighbours' areas; `height` gives ϖh. The derivative by its height is ϖa, and over a
+/// slope of the wall −ϖa∇w is to be added.
+#[inline(always)]
+pub(crate) fn gradient<R: Real>(
+    node: usize,
+    pitch: usize,
+    place: impl Fn(usize) -> [R; 2],
+    height: impl Fn(usize) -> R,
+) -> [R; 2] {
+    let [north, south] = [node + pitch, node - pitch];
+    let [ne, nw, se, sw] = [place(north + 1), place(north - 1), place(south + 1), place(south - 1)];
+    let [east, west] = [height(node + 1), height(node - 1)];
+    let [north, south] = [height(north), height(south)];
+    let turned = |axis: usize| {
+        west * (nw[axis] - sw[axis]) - east * (ne[axis] - se[axis]) - south * (se[axis] - sw[axis])
+            + north * (ne[axis] - nw[axis])
+    };
+    let quarter = R::splat(0.25);
+    [quarter * turned(1), -(quarter * turned(0))]
+}

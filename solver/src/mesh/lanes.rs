@@ -177,6 +177,21 @@ impl Layout {
         self.inner = inner;
     }
 
+    /// Positions of the inner face at rest, relative to the pocket's centre \[spacings\].
+    pub(crate) fn inner_at_rest(&self) -> Field {
+        if !self.inner.x.is_empty() {
+            return self.inner.clone();
+        }
+        let mut inner = Field::new(self.len(), 1);
+        for j in 0..self.rows {
+            for i in 0..self.columns {
+                let k = j * self.pitch + i;
+                [inner.x[k], inner.y[k]] = self.rest(i, j);
+            }
+        }
+        inner
+    }
+
     /// The node of the whole grid at a stored column and row.
     #[inline(always)]
     pub(crate) fn node(&self, i: usize, j: usize) -> usize {

@@ -23,7 +23,7 @@ impl Solver {
         }
     }
 
-    fn deform(&mut self, modes: Modes<f64>) {
+    pub(super) fn deform(&mut self, modes: Modes<f64>) {
         if self.problem.obstacle.dome.shape.soft().is_some() {
             Arc::make_mut(&mut self.problem).obstacle.dome.set_modes(modes);
         }

@@ -46,6 +46,8 @@ impl Solver {
         };
         let is_like_before = self.has_law_of(problem)
             && Yielding::of(&problem.obstacle.dome, mirrored).is_none()
+            && problem.void.is_none()
+            && self.problem.void.is_none()
             && problem.rest.growth() <= 0.0
             && self.problem.rest.growth() <= 0.0;
         self.options.method == Method::Automatic

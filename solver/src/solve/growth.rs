@@ -106,7 +106,7 @@ impl Solver {
         let rest = &self.problem.rest;
         let asked = match self.outer.last() {
             Some(skin) if rest.growth() > 0.0 => asked(rest, skin),
-            _ => return self.end(Verdict::Converged),
+            _ => return self.seal_or_end(Verdict::Converged),
         };
         let change = asked.greatest_difference(rest.grown());
         let (most, accepted) = MOST_SOLVES;
@@ -116,7 +116,7 @@ impl Solver {
             self.growths = Growths::default();
             let is_converged = is_enough || change < accepted;
             let verdict = if is_converged { Verdict::Converged } else { Verdict::NotConverged };
-            return self.end(verdict);
+            return self.seal_or_end(verdict);
         }
         let cells = rest.sheet().nodes_per_side() - 1;
         let present = rest.grown().map_or_else(|| Grown::none(cells), Clone::clone);

@@ -9,7 +9,7 @@
 //! `fas` | `multigrid` | `newton` | `newton_method` | `linear` (systems of Newton's method) |
 //! `validity` | `last_shape` (ends without convergence) | `discretisation` | `reactions` | `growth` (of the skin, by further solves) |
 //! `continuation` (from the solution of another problem) | `yielding` (an implant that yields), `balance` (with a solution) |
-//! `void` (what neither implant nor tissue fills).
+//! `void` (what neither implant nor tissue fills), `seal` (the suction of a void that is limited, by further solves).
 //!
 //! Uses `springs`, `mesh`, `contact`, `model`. Used by `measure` and all to its right.
 
@@ -29,12 +29,13 @@ mod problem;
 pub(crate) mod reactions;
 #[cfg(test)]
 pub(crate) mod samples;
+mod seal;
 mod solution;
 pub mod validity;
 mod void;
 mod yielding;
 
-pub use problem::{Method, Options, Problem, Progress, Tissue};
+pub use problem::{Method, Options, Problem, Progress, Tissue, Void};
 pub use reactions::Reactions;
 use solution::Shape;
 pub use solution::{Displayed, Record, Report, Solution, Verdict};
@@ -65,6 +66,7 @@ pub struct Solver {
     /// Solves in a row that continued from the one before.
     continued: u32,
     growths: growth::Growths,
+    seal: seal::Seal,
     /// Work of Newton's method before the skin grew \[see [`Report::work_units`]\].
     newton_work_before_growth: f64,
     /// Steps of the numbers of an implant that yields, between solutions by Newton's method.
@@ -126,6 +128,7 @@ impl Solver {
             attempts: 1,
             continued: 0,
             growths: growth::Growths::default(),
+            seal: seal::Seal::default(),
             newton_work_before_growth: 0.0,
             balances: 0,
             displayed: Displayed::Previous,
@@ -212,6 +215,7 @@ impl Solver {
         self.progress = Progress::Working;
         (self.attempts, self.continued) = (1, 0);
         self.growths = growth::Growths::default();
+        self.unseal();
         self.newton_work_before_growth = 0.0;
         self.balances = 0;
         self.invalid = None;
@@ -371,7 +375,7 @@ impl Solver {
                     self.grow_or_end();
                 }
             }
-            fas::State::Failed if self.starts_from_nothing() => {}
+            fas::State::Failed if self.starts_from_nothing() || self.draws_less() => {}
             fas::State::Failed => {
                 self.attempts += 1;
                 self.keep_shape();

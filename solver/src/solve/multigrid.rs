@@ -10,7 +10,7 @@ use super::validity::Invalid;
 use crate::contact::Modes;
 use crate::mesh::lanes::Mirrored;
 use crate::model::layered::LayeredLaw;
-use crate::model::layered::lanes::Layered;
+use crate::model::layered::lanes::{Layered, OnFinest};
 use crate::model::membrane::lanes::Membrane;
 use crate::model::membrane::law::SheetLaw;
 use crate::springs::Springs;
@@ -54,6 +54,7 @@ impl Law {
 }
 
 /// The scheme for one tissue model.
+#[derive(Clone)]
 pub(super) enum Multigrid {
     Sheet(Box<FullMultigrid<Membrane>>),
     Layered(Box<FullMultigrid<Layered>>),
@@ -69,8 +70,10 @@ macro_rules! delegate {
 }
 
 fn layered(problem: &Problem, law: &LayeredLaw) -> Layered {
-    let Problem { rest, patch, .. } = problem;
-    Layered::new(law, rest, patch.pocket_radius_mm, patch.attachment())
+    let Problem { rest, patch, obstacle, .. } = problem;
+    let tissue = Layered::new(law, rest, patch.pocket_radius_mm, patch.attachment());
+    let (kpa, wall) = (problem.suction_kpa(), obstacle.wall.0.clone());
+    tissue.under(OnFinest { kpa, wall, nodes_per_side: problem.sheet().nodes_per_side() })
 }
 
 impl Multigrid {
@@ -108,7 +111,7 @@ impl Multigrid {
         }
     }
 
-    /// Continues from the solution with skin that has grown.
+    /// Continues from the solution with skin that has grown, or under another suction.
     pub(super) fn grow(&mut self, problem: &Problem, law: &Law, stop: Stop) {
         if let (Self::Layered(scheme), Law::Layered(law)) = (self, law) {
             scheme.grow(layered(problem, law), stop);

@@ -2,6 +2,7 @@
 
 use crate::contact::Obstacle;
 use crate::mesh::{Patch, Rest, Sheet};
+use crate::model::layered::suction::Suction;
 use crate::springs::{Material, Springs};
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,17 @@ pub struct Problem {
     pub springs: Springs,
     /// Greatest node position error allowed \[base radius\].
     pub tolerance: f64,
+    /// The void of the pocket; `None`: as large as it gets. Layered tissue only.
+    pub void: Option<Void>,
+}
+
+/// A void that is limited: filled with fluid that neither flows in nor stretches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Void {
+    /// Greatest volume \[mm³\].
+    pub most_mm3: f64,
+    /// Suction at which the volume is not larger \[kPa\]; zero before a solve, and where the void is smaller by itself.
+    pub suction_kpa: f64,
 }
 
 impl Problem {
@@ -36,6 +48,23 @@ impl Problem {
     pub fn mirrored(&self) -> [bool; 2] {
         let (rest, obstacle) = (self.rest.mirrored(), self.obstacle.mirrored());
         [0, 1].map(|axis| rest[axis] && obstacle[axis])
+    }
+
+    /// The suction of the void on the inner face \[kPa\].
+    #[must_use]
+    pub fn suction_kpa(&self) -> f64 {
+        self.void.map_or(0.0, |void| void.suction_kpa)
+    }
+
+    /// The suction on the nodes of the finest grid; `None` without one.
+    pub(super) fn suction(&self) -> Option<Suction> {
+        self.suction_on(self.sheet())
+    }
+
+    /// [`Self::suction`] on the nodes of a grid.
+    pub(super) fn suction_on(&self, sheet: &Sheet) -> Option<Suction> {
+        let (kpa, radius) = (self.suction_kpa(), self.patch.pocket_radius_mm);
+        (kpa > 0.0).then(|| Suction::new(kpa, &self.obstacle.wall.0, sheet, radius))
     }
 
     /// Does the membrane wrinkle instead of being compressed? Of coupled springs; the paper's push.

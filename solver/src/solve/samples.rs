@@ -26,6 +26,7 @@ pub(crate) fn sheet(nodes_per_side: usize, center_mm: [f64; 2], insertion: f64) 
         springs: Springs::Coupled,
         tissue: Tissue::Sheet,
         tolerance: 1e-3,
+        void: None,
     }
 }
 
@@ -43,5 +44,6 @@ pub(crate) fn layered_at_rest(nodes_per_side: usize) -> Problem {
         springs: Springs::Coupled,
         tissue: Tissue::Layered,
         tolerance: 1e-3,
+        void: None,
     }
 }

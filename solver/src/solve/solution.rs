@@ -131,6 +131,9 @@ pub struct Record {
     /// The numbers of the deformation of an implant that yields.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub implant: Option<[f64; 6]>,
+    /// The suction of a void that is limited \[kPa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub suction_kpa: Option<f64>,
     /// Method, status, work and accuracy.
     pub report: Report,
 }
@@ -173,6 +176,9 @@ impl Solution {
         if let Some(modes) = record.implant {
             problem.obstacle.dome.set_modes(modes);
         }
+        if let (Some(void), Some(suction_kpa)) = (&mut problem.void, record.suction_kpa) {
+            void.suction_kpa = suction_kpa;
+        }
         let positions = |layer: Vec<[f64; 3]>| layer.into_iter().map(DVec3::from).collect();
         let shape = Shape {
             inner: positions(record.inner),
@@ -193,6 +199,7 @@ impl Solution {
             mirrored: self.shape.mirrored,
             grown: self.problem.rest.grown().map(Grown::numbers).unwrap_or_default(),
             implant: self.problem.obstacle.dome.shape.soft().map(SoftHalfBall::modes),
+            suction_kpa: self.problem.void.map(|void| void.suction_kpa),
             report: self.report.clone(),
         }
     }
@@ -366,7 +373,14 @@ impl Solution {
         match &self.law {
             Law::Sheet(law) => assembly::forces_at(surface, law, &self.balanced(), part, wanted),
             Law::Layered(law) => {
-                self.body_of_inner(law).forces_on_inner(&self.node_layers(), part, wanted)
+                let layers = self.node_layers();
+                let mut forces = self.body_of_inner(law).forces_on_inner(&layers, part, wanted);
+                if let Some(suction) = self.problem.suction() {
+                    for (force, k) in forces.iter_mut().zip(part.nodes()) {
+                        *force += suction.force(k, layers[0]);
+                    }
+                }
+                forces
             }
         }
     }

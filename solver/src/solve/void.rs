@@ -8,8 +8,18 @@ use crate::mesh::NodeKind;
 use crate::mesh::enclosed::{self, pocket_weight};
 use crate::mesh::part::Part;
 use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Area of the corner at the implant's rim that a grid leaves open \[spacing²\]: between the nodes the tissue is straight.
+const OPEN_CORNER: f64 = 0.25;
 
 impl Problem {
+    /// The least void \[mm³\] that the grid resolves: the corner all around the implant.
+    pub(super) fn least_void_mm3(&self) -> f64 {
+        let around = TAU * self.obstacle.dome.reference_length();
+        OPEN_CORNER * self.sheet().spacing_mm().powi(2) * around
+    }
+
     /// The void \[mm³\] under an inner face with the positions `x` \[mm\], shape (nodes_per_side², ), by its nodes of a part.
     pub(super) fn void_mm3(&self, x: &[DVec3], part: Part) -> f64 {
         let (sheet, dome, radius) =

@@ -116,6 +116,9 @@ fn contact(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                     of(ui, outcome, bands, quantity, decimals);
                 }
             }
+            if outcome.suction_kpa.is_some() {
+                row(ui, error, tr("Suction of the void"), outcome.suction_kpa, 2, "kPa");
+            }
             row(ui, error, tr("Contact angle"), outcome.contact_angle_deg, 1, "°");
             row(
                 ui,

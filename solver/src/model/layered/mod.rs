@@ -2,7 +2,7 @@
 //! column.
 //!
 //! `deformed` (change of shape and volume, stress) | `modes` (of a cell's displacement) | `sides`, `variation`, `shape` (of a cell at rest) | `cell` (energy and forces) | `attachment` (beyond the pocket) | `lanes` (the body in four f32 lanes) |
-//! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64) | `tangent`
+//! `stiffness` (blocks of four cells) | `border` (cells on the patch's circle) | `exact` (the body in f64) | `suction` (of a void) | `tangent`
 //! (second derivatives in f64).
 
 pub(crate) mod attachment;
@@ -15,6 +15,7 @@ mod modes;
 mod shape;
 mod sides;
 mod stiffness;
+pub(crate) mod suction;
 pub(crate) mod tangent;
 mod variation;
 

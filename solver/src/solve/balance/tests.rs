@@ -25,6 +25,7 @@ fn tissue(nodes: usize, chest: &Chest) -> Problem {
         springs: Springs::Coupled,
         tissue: Tissue::Layered,
         tolerance: 1e-4,
+        void: None,
     }
 }
 

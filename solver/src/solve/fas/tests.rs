@@ -63,6 +63,7 @@ fn the_energy_falls_in_every_cycle() {
             springs,
             tissue: crate::solve::Tissue::Sheet,
             tolerance: MEMBRANE.least_tolerance,
+            void: None,
         };
         let law = SheetLaw::new(springs, &problem.materials);
         let mirrored = problem.mirrored();

@@ -54,6 +54,8 @@ pub(super) struct Case<'a, L> {
     law: &'a L,
     patch: Patch,
     obstacle: Obstacle,
+    /// Suction of a void on the inner face \[kPa\].
+    suction_kpa: f64,
     /// Tolerance of positions \[mm\].
     tolerance: f64,
 }

@@ -100,7 +100,7 @@ impl<S: System> NestedNewton<S> {
         if self.raised < 1.0 {
             raise(&mut obstacle, self.raised);
         }
-        Case { law, patch, obstacle, tolerance }
+        Case { law, patch, obstacle, suction_kpa: problem.suction_kpa(), tolerance }
     }
 
     /// Does the next piece of work. A state other than [`State::Working`] is the final state of the finest grid, or

@@ -2,11 +2,12 @@
 //!
 //! The outermost layer of nodes carries the skin, a [`Membrane`]; between two layers of nodes lies a layer of cells.
 //!
-//! `shapes` (of the cells at rest) | `forces`, `blocks` (of the regular cells and the attachment).
+//! `shapes` (of the cells at rest) | `forces`, `blocks` (of the regular cells and the attachment) | `suction` (of a void).
 
 mod blocks;
 mod forces;
 mod shapes;
+mod suction;
 
 use super::LayeredLaw;
 use super::border::{Border, Four};
@@ -23,6 +24,8 @@ use crate::springs::solids::{LaneLaw, SolidLaw, Volume, WholeLaw, of_law};
 use forces::{at_corners, first_parity};
 use shapes::{CurvedLayers, Layers, Shapes};
 use std::sync::Arc;
+use suction::LaneSuction;
+pub(crate) use suction::OnFinest;
 use wide::f32x4;
 
 /// The greatest change of a cell's height in one step \[cell heights\].
@@ -59,6 +62,7 @@ pub(crate) struct Layered {
     natural: Option<NaturalStretch>,
     /// What has grown of the skin, on the finest grid.
     grown: Option<Grown>,
+    suction: Option<OnFinest>,
     /// The skin's stiffness \[kPa·mm\].
     stiffness: f64,
 }
@@ -98,6 +102,7 @@ pub(crate) struct Scratch {
     rest: Option<Arc<Rest>>,
     /// The growth on the finest grid that the skin has.
     grown: Option<Grown>,
+    suction: Option<LaneSuction>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,6 +134,7 @@ impl Layered {
             attachment,
             natural: rest.natural().copied(),
             grown: rest.grown().cloned(),
+            suction: None,
             stiffness,
         }
     }
@@ -218,6 +224,7 @@ impl ElasticModel for Layered {
             geometry: None,
             rest: None,
             grown: None,
+            suction: None,
         }
     }
 
@@ -259,6 +266,7 @@ impl ElasticModel for Layered {
         }
         // The law may have changed.
         self.load_at_rest(layout, rest, scratch);
+        self.draw((layout, spacing), scratch);
         if is_same_rest && scratch.geometry == Some(geometry) {
             return;
         }
@@ -298,6 +306,9 @@ impl ElasticModel for Layered {
     fn grow(&self, layout: &Layout, rest: Option<&Arc<Rest>>, scratch: &mut Scratch) {
         scratch.skin = self.skin_at_rest(layout, rest.map(Arc::as_ref), self.grown.as_ref());
         scratch.grown.clone_from(&self.grown);
+        if let Some(geometry) = scratch.geometry {
+            self.draw((layout, geometry.spacing), scratch);
+        }
     }
 
     fn forces(&self, layout: &Layout, u: &Field, f: &mut Field, scratch: &mut Scratch) {
@@ -306,6 +317,9 @@ impl ElasticModel for Layered {
         of_shapes!(&scratch.shapes, shapes => self.add_cells(layout, shapes, u, f, scratch));
         Self::add_attachment(layout, u, f, scratch);
         of_shapes!(&scratch.shapes, shapes => self.add_border(layout, shapes, u, f, scratch));
+        if let Some(suction) = &mut scratch.suction {
+            suction.add_forces(layout, u, f);
+        }
     }
 
     fn blocks(&self, layout: &Layout, u: &Field, blocks: &mut ColumnBlocks, scratch: &mut Scratch) {

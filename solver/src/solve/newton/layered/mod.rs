@@ -16,6 +16,7 @@ use crate::contact::{Obstacle, TOUCH_F64};
 use crate::mesh::stencil::BlockStencil9;
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::exact::{Exact, Place};
+use crate::model::layered::suction::Suction;
 use crate::model::layered::tangent::Tangent;
 use crate::model::membrane::assembly::{self, Stiffness, Sums, Totals};
 use crate::solve::linear::columns::Columns;
@@ -34,6 +35,9 @@ pub(in crate::solve) struct LayeredSystem {
     tangent: Tangent,
     /// See [`Exact::at_rest`].
     at_rest: Vec<DVec3>,
+    /// The suction of a void, and the inner face at which its second derivatives are taken.
+    suction: Option<Suction>,
+    inner_face: Vec<DVec3>,
     skin: BlockStencil9,
     /// Forces of the skin alone.
     skin_forces: Vec<DVec3>,
@@ -69,6 +73,8 @@ impl System for LayeredSystem {
             pocket_radius: f64::NAN,
             tangent: Tangent::default(),
             at_rest: Vec::new(),
+            suction: None,
+            inner_face: Vec::new(),
             skin: BlockStencil9::new(grid.sheet().nodes_per_side()),
             skin_forces: vec![DVec3::ZERO; size],
             totals: Totals::default(),
@@ -92,6 +98,10 @@ impl System for LayeredSystem {
         }
         system.tangent.attach(&exact);
         system.at_rest = exact.at_rest.into_owned();
+        let (kpa, sheet) = (case.suction_kpa, newton.grid.rest.sheet());
+        let wall = &case.obstacle.wall.0;
+        let suction = || Suction::new(kpa, wall, sheet, case.patch.pocket_radius_mm);
+        system.suction = (kpa > 0.0).then(suction);
         for k in newton.grid.free() {
             let shift = case.obstacle.project(newton.x[0][k], 0.0) - newton.x[0][k];
             newton.x.iter_mut().for_each(|layer| layer[k] += shift);
@@ -99,17 +109,23 @@ impl System for LayeredSystem {
     }
 
     fn energy(&self, grid: &Grid, case: &LayeredCase, x: &Layers) -> f64 {
-        case.exact(grid, &self.at_rest).energy(&self.places, x)
+        let of_suction = self.suction.as_ref().map_or(0.0, |suction| suction.energy(&x[0]));
+        case.exact(grid, &self.at_rest).energy(&self.places, x) + of_suction
     }
 
     fn linearize(newton: &mut LayeredNewton, case: &LayeredCase, place: usize) -> Option<usize> {
         let Newton { grid, x, forces, energy, system, .. } = newton;
-        let LayeredSystem { places, tangent, at_rest, .. } = system;
+        let LayeredSystem { places, tangent, at_rest, suction, inner_face, .. } = system;
         let exact = case.exact(grid, at_rest);
         if place == 0 {
             exact.set_forces(places, x, forces);
             if newton.iterations == 0 {
-                *energy = exact.energy(places, x);
+                let of_suction = suction.as_ref().map_or(0.0, |suction| suction.energy(&x[0]));
+                *energy = exact.energy(places, x) + of_suction;
+            }
+            if let Some(suction) = suction {
+                inner_face.clone_from(&x[0]);
+                (0..x[0].len()).for_each(|k| forces[0][k] += suction.force(k, &x[0]));
             }
             tangent.clear();
         }
@@ -148,6 +164,9 @@ impl System for LayeredSystem {
         }
         for (k, curvature) in &contact.curvature {
             out[0][*k] -= *curvature * v[0][*k];
+        }
+        if let Some(suction) = &self.suction {
+            grid.free().for_each(|k| out[0][k] += suction.product(k, &self.inner_face, &v[0]));
         }
     }
 

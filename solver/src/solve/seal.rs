@@ -1,0 +1,189 @@
+//! The suction of a void that is limited: solves one after the other, each from the last shape with the suction p that its void asks for.
+//!
+//! Fluid that neither flows in nor stretches holds the void V at its greatest volume, by a pressure p below that around the tissue: the minimum of
+//! E + p (V − V_f), p ≥ 0, V ≤ V_f, p (V − V_f) = 0. V falls with p, and √V is convex and nearly linear in p: a secant there finds p from below.
+//! Solves are rough at first.
+
+use super::fas::Stop;
+use super::multigrid::Multigrid;
+use super::newton::Start;
+use super::{Displayed, Solver, Stage, Verdict};
+use crate::contact::{Modes, SoftHalfBall};
+use crate::mesh::lanes::Mirrored;
+use crate::mesh::part::Part;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Difference of the void from its greatest volume at the end \[greatest volume; mm³\].
+const TOLERANCE: (f64, f64) = (3e-3, 20.0);
+/// Difference above which the next solve is rough \[tolerance\].
+const ROUGH: f64 = 8.0;
+/// Cycles of the finest grid of a rough solve.
+const ROUGH_CYCLES: u32 = 3;
+/// Solves with a suction that may be rough.
+const MOST_ROUGH: u32 = 12;
+/// Greatest suction \[kPa\]: beyond it what is left of the void is the corner's at the implant's rim.
+const MOST_KPA: f64 = 20.0;
+/// The first suction \[kPa\], and the greatest factor from one to the next \[-\].
+const FIRST_KPA: f64 = 0.2;
+const MOST_FACTOR: f64 = 3.0;
+/// The same after a suction without a solution \[-\].
+const CAREFUL_FACTOR: f64 = 1.5;
+/// Solves with a suction at most, and halvings of the way to a suction without a solution.
+const MOST_SOLVES: u32 = 24;
+const MOST_HALVINGS: u32 = 3;
+
+/// The search for a suction.
+#[derive(Default)]
+pub(super) struct Seal {
+    solves: u32,
+    halvings: u32,
+    /// Was the last solve rough?
+    is_rough: bool,
+    /// Suction and √V of the last solve, and the slope of the last two.
+    last: Option<[f64; 2]>,
+    slope: Option<f64>,
+    /// The least suction without a solution.
+    failed: Option<f64>,
+    /// The last solution to the tolerance.
+    kept: Option<Kept>,
+}
+
+/// A solution with its suction.
+struct Kept {
+    suction_kpa: f64,
+    multigrid: Option<Multigrid>,
+    x: Vec<DVec3>,
+    outer: Vec<Vec<DVec3>>,
+    mirrored: Mirrored,
+    modes: Option<Modes<f64>>,
+}
+
+impl Seal {
+    /// The next suction after one with a void, for a void of `most` \[mm³\].
+    fn next(&mut self, suction: f64, void: f64, most: f64) -> f64 {
+        let root = void.abs().sqrt().copysign(void);
+        if let Some([before, root_before]) = self.last.replace([suction, root]) {
+            let slope = (root - root_before) / (suction - before);
+            // A solve under the same suction, to the tolerance, has no slope.
+            self.slope =
+                Some(slope).filter(|slope| *slope < 0.0 && slope.is_finite()).or(self.slope);
+        }
+        let next = match self.slope {
+            Some(slope) => suction + (most.sqrt() - root) / slope,
+            None if suction <= 0.0 => FIRST_KPA,
+            None => suction * MOST_FACTOR,
+        };
+        let factor = if self.failed.is_some() { CAREFUL_FACTOR } else { MOST_FACTOR };
+        let next = next.clamp(suction / factor, (suction * factor).max(FIRST_KPA)).min(MOST_KPA);
+        self.failed.map_or(next, |failed| next.min(0.5 * (suction + failed)))
+    }
+}
+
+impl Solver {
+    /// Ends a solve, unless its void is to be smaller.
+    pub(super) fn seal_or_end(&mut self, verdict: Verdict) {
+        let Some(void) = self.problem.void.filter(|_| self.law.layered().is_some()) else {
+            return self.end(verdict);
+        };
+        let part = Part::new(self.problem.sheet().nodes_per_side(), self.mirrored);
+        let most = void.most_mm3.max(self.problem.least_void_mm3());
+        let volume = self.problem.void_mm3(&self.x, part);
+        let (relative, least) = TOLERANCE;
+        let tolerance = (relative * most).max(least);
+        let (suction, was_rough) = (void.suction_kpa, self.seal.is_rough);
+        let off = (volume - most).abs();
+        let is_slack = suction <= 0.0 && volume <= most + tolerance;
+        let is_at_most = suction >= MOST_KPA && volume > most;
+        let is_enough = is_slack || off <= tolerance || is_at_most;
+        if is_enough && !was_rough || verdict != Verdict::Converged {
+            self.seal = Seal::default();
+            return self.end(verdict);
+        }
+        if self.seal.solves >= MOST_SOLVES {
+            self.seal = Seal::default();
+            return self.end(if was_rough { Verdict::NotConverged } else { verdict });
+        }
+        if !was_rough {
+            self.seal.kept = Some(self.kept_solution());
+        }
+        let next = if is_enough { suction } else { self.seal.next(suction, volume, most) };
+        self.seal.solves += 1;
+        let is_far = off > ROUGH * tolerance && next < MOST_KPA;
+        let is_new = self.seal.failed.is_none() && self.seal.solves <= MOST_ROUGH;
+        let may_be_rough = is_new && self.problem.rest.growth() <= 0.0;
+        self.seal.is_rough = is_far && may_be_rough;
+        self.draw(next);
+    }
+
+    /// Solves again under a suction \[kPa\].
+    fn draw(&mut self, suction_kpa: f64) {
+        if let Some(void) = &mut Arc::make_mut(&mut self.problem).void {
+            void.suction_kpa = suction_kpa;
+        }
+        self.is_multigrid_law_stale = true;
+        let stop = if self.seal.is_rough { Stop::Cycles(ROUGH_CYCLES) } else { self.stop() };
+        match (self.stage, &mut self.multigrid) {
+            (Stage::Multigrid, Some(multigrid)) => multigrid.grow(&self.problem, &self.law, stop),
+            _ => {
+                self.seal.is_rough = false;
+                self.newton_work_before_growth += self.newton_work();
+                self.newton = None;
+                self.start_newton(Start::FromSolution);
+            }
+        }
+    }
+
+    fn kept_solution(&self) -> Kept {
+        Kept {
+            suction_kpa: self.problem.suction_kpa(),
+            multigrid: self.multigrid.clone().filter(|_| self.stage == Stage::Multigrid),
+            x: self.x.clone(),
+            outer: self.outer.clone(),
+            mirrored: self.mirrored,
+            modes: self.problem.obstacle.dome.shape.soft().map(SoftHalfBall::modes),
+        }
+    }
+
+    /// Goes back from a suction without a solution half of the way to the last one with a solution; false without one. After some halvings that
+    /// solution is the end, with a void that is larger.
+    pub(super) fn draws_less(&mut self) -> bool {
+        let failed = self.problem.suction_kpa();
+        let Some(kept) = self.seal.kept.take().filter(|_| failed > 0.0) else { return false };
+        let Some(multigrid) = &kept.multigrid else { return false };
+        self.multigrid = Some(multigrid.clone());
+        self.x.clone_from(&kept.x);
+        self.outer.clone_from(&kept.outer);
+        self.mirrored = kept.mirrored;
+        self.displayed = Displayed::Draft;
+        self.revision += 1;
+        if let Some(modes) = kept.modes {
+            self.deform(modes);
+        }
+        let last = kept.suction_kpa;
+        self.seal.halvings += 1;
+        if self.seal.halvings > MOST_HALVINGS {
+            if let Some(void) = &mut Arc::make_mut(&mut self.problem).void {
+                void.suction_kpa = last;
+            }
+            self.seal = Seal::default();
+            self.end(Verdict::Converged);
+            return true;
+        }
+        self.seal.kept = Some(kept);
+        self.seal.failed = Some(failed);
+        self.seal.is_rough = false;
+        self.draw(0.5 * (last + failed));
+        true
+    }
+
+    /// Starts without a suction.
+    pub(super) fn unseal(&mut self) {
+        self.seal = Seal::default();
+        if self.problem.suction_kpa() > 0.0
+            && let Some(void) = &mut Arc::make_mut(&mut self.problem).void
+        {
+            void.suction_kpa = 0.0;
+        }
+    }
+}
