@@ -46,7 +46,7 @@ impl<'a> Sheet<'a> {
         Self { curve, poisson_ratio: *poisson_ratio, stress: tension_n_per_m / thickness_mm }
     }
 
-    /// The stretch under the tension \[-\]; `None` beyond [`MOST_STRAIN`].
+    /// The stretch under the tension \[-\]; `None` beyond a strain of 0.9.
     #[must_use]
     pub fn stretch(&self) -> Option<f64> {
         let strain = strain_of(self.curve, self.poisson_ratio, [self.stress; 2], MOST_STRAIN)?;
