@@ -11,6 +11,8 @@ GRID = {"nodes_per_side": 33, "tolerance": 1e-3}
 
 scene = ip.opening_scene()
 scene["solver"] = GRID
+# The projection of an implant that yields is a result, no unknown.
+scene["implant"].pop("fill")
 radius = scene["chest"]["radius_across_mm"]
 projection = scene["implant"]["projection_mm"]
 # The unknown, its number of the scene, and the range of both.
