@@ -1,11 +1,11 @@
-//! The plan that the app opens on, part by part: what tension, time and fill each cost and bring.
+//! The plan that the app opens on, part by part: what plane, void, tension, time and fill each cost and bring.
 //!
 //! Uses `scene`, `simulate`. Used by the command line and the tests.
 
 use crate::solved;
 use implant_preview_core::clinical::When;
 use implant_preview_core::measure::Outcome;
-use implant_preview_core::scene::{Fill, Scene, SceneError};
+use implant_preview_core::scene::{Fill, Plane, Scene, SceneError};
 use implant_preview_core::simulate::Simulator;
 use std::fmt::Write;
 
@@ -13,6 +13,8 @@ use std::fmt::Write;
 pub const NODES_PER_SIDE: usize = 65;
 /// Natural tension of the skin \[N/m\].
 const TENSION_N_PER_M: f64 = 20.0;
+/// Void of the pocket \[ml\]: what fluid is left after days.
+const VOID_ML: f64 = 10.0;
 
 /// A column: title with its unit, decimals, value of a result.
 type Column = (&'static str, usize, fn(&Outcome) -> Option<f64>);
@@ -55,9 +57,19 @@ fn forms() -> Result<Vec<(String, Scene)>, SceneError> {
         scene.implant.fill = Some(fill);
         scene
     };
+    let under = |plane| {
+        let mut scene = filled(Fill::Cohesive, &plain);
+        scene.set_plane(Some(plane));
+        scene
+    };
+    let mut closed = filled(Fill::Cohesive, &plain);
+    closed.body.pocket_void_ml = Some(VOID_ML);
     let mut all = vec![
         ("rigid, skin without a tension".to_owned(), plain.clone()),
         ("cohesive".to_owned(), filled(Fill::Cohesive, &plain)),
+        ("cohesive, dual plane II".to_owned(), under(Plane::DualPlaneIi)),
+        ("cohesive, below the muscle".to_owned(), under(Plane::Below)),
+        (format!("cohesive, a void of {VOID_ML} ml"), closed),
         (format!("skin under {TENSION_N_PER_M} N/m"), tense.clone()),
     ];
     for when in [When::Week, When::SixMonths] {
