@@ -399,7 +399,7 @@ mod tests {
 
     /// The texts of a section of a plan of a side in a broad room.
     fn texts(plane: SectionPlane, side: Side) -> Vec<String> {
-        let mut scene = Scene { side: Some(side), ..Scene::opening() };
+        let mut scene = Scene { side: Some(side), ..Scene::first_plan() };
         scene.solver.nodes_per_side = 17;
         let mut session = Session::new(scene).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
