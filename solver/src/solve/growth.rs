@@ -124,16 +124,24 @@ impl Solver {
         let problem = Arc::make_mut(&mut self.problem);
         problem.rest = problem.rest.clone().with_grown(Grown::of_numbers(cells, &grown));
         self.growths.solves += 1;
-        self.growths.is_rough = change > ROUGH && self.growths.solves < most;
+        let may_be_rough = change > ROUGH && self.growths.solves < most;
+        self.growths.is_rough = self.solve_again(may_be_rough.then_some(ROUGH_CYCLES));
+    }
+
+    /// Solves a changed problem from the last shape; of multigrid for so many cycles of the finest grid, if any. Is that solve rough?
+    pub(super) fn solve_again(&mut self, rough_cycles: Option<u32>) -> bool {
         self.is_multigrid_law_stale = true;
-        let stop = if self.growths.is_rough { Stop::Cycles(ROUGH_CYCLES) } else { self.stop() };
+        let stop = rough_cycles.map_or_else(|| self.stop(), Stop::Cycles);
         match (self.stage, &mut self.multigrid) {
-            (Stage::Multigrid, Some(multigrid)) => multigrid.grow(&self.problem, &self.law, stop),
+            (Stage::Multigrid, Some(multigrid)) => {
+                multigrid.grow(&self.problem, &self.law, stop);
+                rough_cycles.is_some()
+            }
             _ => {
-                self.growths.is_rough = false;
                 self.newton_work_before_growth += self.newton_work();
                 self.newton = None;
                 self.start_newton(Start::FromSolution);
+                false
             }
         }
     }

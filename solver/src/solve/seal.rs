@@ -4,9 +4,7 @@
 //! E + p (V − V_f), p ≥ 0, V ≤ V_f, p (V − V_f) = 0. V falls with p, and √V is convex and nearly linear in p: a secant there finds p from below.
 //! Solves are rough at first.
 
-use super::fas::Stop;
 use super::multigrid::Multigrid;
-use super::newton::Start;
 use super::{Displayed, Solver, Stage, Verdict};
 use crate::contact::{Modes, SoftHalfBall};
 use crate::mesh::lanes::Mirrored;
@@ -22,7 +20,7 @@ const ROUGH: f64 = 8.0;
 const ROUGH_CYCLES: u32 = 3;
 /// Solves with a suction that may be rough.
 const MOST_ROUGH: u32 = 12;
-/// Greatest suction \[kPa\]: beyond it what is left of the void is the corner's at the implant's rim.
+/// Greatest suction \[kPa\]: the void that is left under it is the corner at the implant's rim.
 const MOST_KPA: f64 = 20.0;
 /// The first suction \[kPa\], and the greatest factor from one to the next \[-\].
 const FIRST_KPA: f64 = 0.2;
@@ -112,25 +110,18 @@ impl Solver {
         let is_far = off > ROUGH * tolerance && next < MOST_KPA;
         let is_new = self.seal.failed.is_none() && self.seal.solves <= MOST_ROUGH;
         let may_be_rough = is_new && self.problem.rest.growth() <= 0.0;
-        self.seal.is_rough = is_far && may_be_rough;
-        self.draw(next);
+        self.draw(next, is_far && may_be_rough);
     }
 
     /// Solves again under a suction \[kPa\].
-    fn draw(&mut self, suction_kpa: f64) {
+    fn draw(&mut self, suction_kpa: f64, may_be_rough: bool) {
+        self.set_suction(suction_kpa);
+        self.seal.is_rough = self.solve_again(may_be_rough.then_some(ROUGH_CYCLES));
+    }
+
+    fn set_suction(&mut self, suction_kpa: f64) {
         if let Some(void) = &mut Arc::make_mut(&mut self.problem).void {
             void.suction_kpa = suction_kpa;
-        }
-        self.is_multigrid_law_stale = true;
-        let stop = if self.seal.is_rough { Stop::Cycles(ROUGH_CYCLES) } else { self.stop() };
-        match (self.stage, &mut self.multigrid) {
-            (Stage::Multigrid, Some(multigrid)) => multigrid.grow(&self.problem, &self.law, stop),
-            _ => {
-                self.seal.is_rough = false;
-                self.newton_work_before_growth += self.newton_work();
-                self.newton = None;
-                self.start_newton(Start::FromSolution);
-            }
         }
     }
 
@@ -163,27 +154,22 @@ impl Solver {
         let last = kept.suction_kpa;
         self.seal.halvings += 1;
         if self.seal.halvings > MOST_HALVINGS {
-            if let Some(void) = &mut Arc::make_mut(&mut self.problem).void {
-                void.suction_kpa = last;
-            }
+            self.set_suction(last);
             self.seal = Seal::default();
             self.end(Verdict::Converged);
             return true;
         }
         self.seal.kept = Some(kept);
         self.seal.failed = Some(failed);
-        self.seal.is_rough = false;
-        self.draw(0.5 * (last + failed));
+        self.draw(0.5 * (last + failed), false);
         true
     }
 
     /// Starts without a suction.
     pub(super) fn unseal(&mut self) {
         self.seal = Seal::default();
-        if self.problem.suction_kpa() > 0.0
-            && let Some(void) = &mut Arc::make_mut(&mut self.problem).void
-        {
-            void.suction_kpa = 0.0;
+        if self.problem.suction_kpa() > 0.0 {
+            self.set_suction(0.0);
         }
     }
 }
