@@ -1,6 +1,9 @@
 //! The suction that holds a void of the pocket at its greatest volume.
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
+mod common;
+
+use common::scene;
 use glam::DVec3;
 use implant_preview_core::measure::{Outcome, Status};
 use implant_preview_core::scene::{ChestShape, Scene};
@@ -9,23 +12,6 @@ use implant_preview_core::solve::{Method, Options, Problem, Solver, Verdict};
 use implant_preview_lab::axisymmetric_layers::{Input, solve};
 use implant_preview_lab::robustness::clinical::Clinical;
 use serde_json::{Value, json};
-
-/// The scene of the opening plan's size with some members, over a flat wall.
-fn scene(members: &Value) -> Scene {
-    let mut scene = json!({
-        "implant": { "base_radius_mm": 60.0, "projection_mm": 29.842 },
-        "pocket_radius_mm": 70.0,
-        "layers": [
-            { "tissue": "skin", "thickness_mm": 1.5, "curve": { "kind": "skin" } },
-            { "tissue": "adipose", "thickness_mm": 8.5, "poisson_ratio": 0.49, "curve": { "kind": "fat" } },
-        ],
-        "solver": { "nodes_per_side": 65 },
-    });
-    for (name, value) in members.as_object().unwrap() {
-        scene[name] = value.clone();
-    }
-    Scene::from_json(&scene.to_string()).unwrap()
-}
 
 fn solved(scene: &Scene) -> Outcome {
     let found = simulate(scene).unwrap();

@@ -1,31 +1,16 @@
 //! The void of the pocket against closed forms, against axisymmetric elements and against the volume that the skin encloses.
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
+mod common;
+
+use common::scene;
 use glam::{DVec2, DVec3};
 use implant_preview_core::measure::Outcome;
-use implant_preview_core::scene::Scene;
 use implant_preview_core::simulate::simulate;
 use implant_preview_core::solve::{Problem, Solution, Solver};
 use implant_preview_lab::axisymmetric_layers::{Input, solve};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::f64::consts::PI;
-
-/// The scene of the opening plan's size with some members, over a flat wall.
-fn scene(members: &Value) -> Scene {
-    let mut scene = json!({
-        "implant": { "base_radius_mm": 60.0, "projection_mm": 29.842 },
-        "pocket_radius_mm": 70.0,
-        "layers": [
-            { "tissue": "skin", "thickness_mm": 1.5, "curve": { "kind": "skin" } },
-            { "tissue": "adipose", "thickness_mm": 8.5, "poisson_ratio": 0.49, "curve": { "kind": "fat" } },
-        ],
-        "solver": { "nodes_per_side": 65 },
-    });
-    for (name, value) in members.as_object().unwrap() {
-        scene[name] = value.clone();
-    }
-    Scene::from_json(&scene.to_string()).unwrap()
-}
 
 fn void_ml(outcome: &Outcome) -> f64 {
     outcome.void_ml.unwrap()
