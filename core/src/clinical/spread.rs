@@ -137,7 +137,7 @@ pub const PROJECTION: Spread = Spread {
     distribution: Distribution::Normal { mean: -0.035, sd: 0.03 },
 };
 
-/// Factor on the natural tension of the skin \[-\]: in vivo 6–11 and 42–138 N/m contradict each other; with the usual 20 N/m the range of
+/// Factor on the natural tension of the skin \[-\]: measured in vivo are 6–11 and 42–138 N/m; with the usual 20 N/m the spread lies between
 /// both.
 pub const NATURAL_TENSION: Spread = Spread {
     quantity: "natural tension of the skin",
@@ -145,15 +145,16 @@ pub const NATURAL_TENSION: Spread = Spread {
     distribution: Distribution::LogNormal { median: 1.0, gsd: 2.2 },
 };
 
-/// Difference of the skin's growth from the plan \[-\]: 0.3 ± 0.2 at a week, 0.8 ± 0.2 from the third month (Eder et al. 2011, Ji et al. 2014:
-/// 85 % of the changes in the first month).
+/// Difference of the skin's growth from the plan \[-\]: assumed are 0.3 ± 0.2 at a week and 0.8 ± 0.2 from the third month, since 85 % of the
+/// changes come in the first month (Eder et al. 2011, Ji et al. 2014).
 pub const GROWN: Spread = Spread {
     quantity: "growth of the skin",
     unit: "added",
     distribution: Distribution::Normal { mean: 0.0, sd: 0.2 },
 };
 
-/// Factor on the moduli of the implant's gel and shell \[-\]: makers publish none, measured ones of one kind of gel differ by this.
+/// Factor on the moduli of the implant's gel and shell \[-\]: makers publish none, so that it is assumed: half of the way, by factors, from a
+/// named gel to the next.
 pub const FILL_MODULUS: Spread = Spread {
     quantity: "modulus of the fill",
     unit: "factor",
