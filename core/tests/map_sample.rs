@@ -64,7 +64,7 @@ fn the_opening_range_is_known_from_70_points() {
             (Q::LeastCoverMm, 0.005),
             (Q::ForceN, 0.005),
             (Q::MeanPressureKpa, 0.021),
-            (Q::GreatestPressureKpa, 0.04),
+            (Q::GreatestPressureKpa, 0.0215),
             (Q::SkinStressKpa, 0.02),
             (Q::SkinProjectionMm, 0.001),
         ] {

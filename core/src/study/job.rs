@@ -32,6 +32,9 @@ pub struct Case {
     pub status: Option<Status>,
     /// The quantities of the result; none without a shape.
     pub values: Values,
+    /// Greatest pressure over the middle of the implant and around it \[kPa\]: [`Outcome::pressure_peaks_kpa`].
+    #[serde(default)]
+    pub pressure_peaks_kpa: [f64; 2],
     /// Section of the skin's outer surface, if the job contains the request and the scene has a shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile: Option<Profile>,
@@ -79,6 +82,7 @@ impl Case {
         Self {
             status: Some(outcome.status),
             values: if has_shape { Values::new(outcome) } else { Values::default() },
+            pressure_peaks_kpa: outcome.pressure_peaks_kpa,
             profile: None,
             error: None,
             evaluations: outcome.solver.work_units,

@@ -1,6 +1,6 @@
 //! The values of one quantity at the solved points of a map, as numbers that a smooth function goes through.
 
-use super::Quantity;
+use super::{Case, Quantity};
 
 /// Smallest value that errors are relative to \[mean of the quantity\].
 const LEAST: f64 = 0.05;
@@ -24,9 +24,41 @@ fn is_factor(quantity: Quantity) -> bool {
     )
 }
 
-/// The values of a quantity at the solved points.
-pub(super) struct Column {
+/// What is smooth over a map: a quantity, or one of two values whose greater one is the quantity. The greatest pressure has a kink where
+/// those over the middle of the implant and around it are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Series {
     pub(super) quantity: Quantity,
+    part: Option<usize>,
+}
+
+impl Series {
+    /// Those of all quantities; both of one quantity follow each other.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let of = |quantity| {
+            let parts: &[_] = match quantity {
+                Quantity::GreatestPressureKpa | Quantity::GreatestPressureMmhg => {
+                    &[Some(0), Some(1)]
+                }
+                _ => &[None],
+            };
+            parts.iter().map(move |&part| Self { quantity, part })
+        };
+        Quantity::ALL.into_iter().flat_map(of)
+    }
+
+    /// The value of a case with an answer, if it has one.
+    pub(super) fn value(self, case: &Case) -> Option<f64> {
+        let value = case.values.get(self.quantity)?;
+        let Some(part) = self.part else { return Some(value) };
+        let peaks = case.pressure_peaks_kpa;
+        Some(value * peaks[part] / peaks[0].max(peaks[1])).filter(|value| *value > 0.0)
+    }
+}
+
+/// The values of a series at the solved points.
+pub(super) struct Column {
+    pub(super) series: Series,
     own: Vec<f64>,
     is_log: bool,
     /// Bounds of interpolated values, and the least number that errors are relative to.
@@ -35,7 +67,7 @@ pub(super) struct Column {
 }
 
 impl Column {
-    pub(super) fn new(quantity: Quantity, own: Vec<f64>) -> Self {
+    pub(super) fn new(series: Series, own: Vec<f64>) -> Self {
         let least = own.iter().copied().fold(f64::INFINITY, f64::min);
         let most = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let room = ROOM * (most - least);
@@ -44,12 +76,8 @@ impl Column {
             [if least < 0.0 { least - room } else { (least - room).max(0.0) }, most + room];
         let mean = own.iter().map(|value| value.abs()).sum::<f64>() / own.len() as f64;
         let least_scale = (LEAST * mean).max(f64::MIN_POSITIVE);
-        Self { quantity, own, is_log: is_factor(quantity) && least > 0.0, bounds, least_scale }
-    }
-
-    /// Has the quantity kinks? The greatest pressure has one where those over the shoulder and over the apex are equal.
-    pub(super) fn has_kink(&self) -> bool {
-        matches!(self.quantity, Quantity::GreatestPressureKpa | Quantity::GreatestPressureMmhg)
+        let is_log = is_factor(series.quantity) && least > 0.0;
+        Self { series, own, is_log, bounds, least_scale }
     }
 
     /// The number that the function goes through at a point.

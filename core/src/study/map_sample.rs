@@ -1,11 +1,11 @@
 //! A map from some of its points: solved where the quantities bend, interpolated between.
 //!
-//! A lattice is solved first. A smooth function of each quantity goes through the solved points ([`Surface`]), of a quantity with kinks a less smooth
-//! one; where both differ most, relative to the quantity's aim, further points are solved, round by round. Points at the border of no answer
+//! A lattice is solved first. A smooth function of each quantity goes through the solved points ([`Surface`]), and a less smooth one;
+//! where both differ most, relative to the quantity's aim, further points are solved, round by round. Points at the border of no answer
 //! are solved too, those farthest from solved ones first, which halves the way between a point with and one without an answer. A round
 //! begins once all points of the one before are solved, so that the points do not depend on the number of threads.
 
-use super::map_column::{Column, median};
+use super::map_column::{Column, Series, median};
 use super::surface::{LESS_SMOOTH, SMOOTH, Surface};
 use super::{Case, Map, PointStatus, Quantity};
 use schemars::JsonSchema;
@@ -267,29 +267,29 @@ impl Map {
         let mut needs = vec![0.0_f64; places.len()];
         let [mut values, mut errors, mut scales] =
             [(); 3].map(|()| vec![f64::NAN; places.len() * Quantity::COUNT]);
-        // Quantities with values at the same points share their functions.
-        let mut groups: Vec<(Vec<usize>, Vec<Quantity>)> = Vec::new();
-        for quantity in Quantity::ALL {
+        // Series with values at the same points share their functions.
+        let mut groups: Vec<(Vec<usize>, Vec<Series>)> = Vec::new();
+        for series in Series::all() {
             let items: Vec<usize> =
-                (0..places.len()).filter(|k| self.solved_value(quantity, *k).is_some()).collect();
+                (0..places.len()).filter(|k| self.solved_value(series, *k).is_some()).collect();
             match groups.iter_mut().find(|(known, _)| *known == items) {
-                Some((_, quantities)) => quantities.push(quantity),
-                None => groups.push((items, vec![quantity])),
+                Some((_, together)) => together.push(series),
+                None => groups.push((items, vec![series])),
             }
         }
-        for (items, quantities) in groups {
-            let own = |quantity: &Quantity| -> Vec<f64> {
-                items.iter().filter_map(|item| self.solved_value(*quantity, *item)).collect()
+        for (items, together) in groups {
+            let own = |series: &Series| -> Vec<f64> {
+                items.iter().filter_map(|item| self.solved_value(*series, *item)).collect()
             };
             let columns: Vec<Column> =
-                quantities.iter().map(|quantity| Column::new(*quantity, own(quantity))).collect();
+                together.iter().map(|series| Column::new(*series, own(series))).collect();
             let points = || items.iter().map(|item| places[*item]).collect::<Vec<_>>();
             let known = (0..items.len()).flat_map(|k| columns.iter().map(move |of| of.fitted(k)));
             let known: Vec<f64> = known.collect();
             let is_plane = self.axes().len() > 1;
             let through = |how| Surface::through(points(), &known, is_plane, how);
             let Some((smooth, other)) = through(SMOOTH).zip(through(LESS_SMOOTH)) else {
-                if quantities.contains(&Quantity::GreatestStrain) {
+                if together.iter().any(|series| series.quantity == Quantity::GreatestStrain) {
                     return None;
                 }
                 continue;
@@ -300,29 +300,32 @@ impl Map {
                     let of_column = all.iter().skip(k).step_by(columns.len());
                     of_column.map(|fitted| column.value(*fitted)).collect()
                 };
-                let (mut found, mut compared, mut through) = (of(&found), of(&compared), &smooth);
-                if column.has_kink() {
-                    (found, compared, through) = (compared, found, &other);
-                }
+                let (found, compared) = (of(&found), of(&compared));
                 let differences = found.iter().zip(compared);
                 let differences =
                     differences.map(|(a, b)| (a - b).abs() / column.scale(*a)).collect();
-                let missed = column.left_out(through.left_out(k));
+                let missed = column.left_out(smooth.left_out(k));
                 let floor = LEFT_OUT * median(missed);
                 for (item, difference) in self.spread(differences).into_iter().enumerate() {
                     // An answer is expected here, with this quantity.
                     let is_beside = near[item].is_some_and(|near| {
-                        near.has_answer && self.solved_value(column.quantity, near.item).is_some()
+                        near.has_answer && self.solved_value(column.series, near.item).is_some()
                     });
                     if self.queue.case(item).is_some() || !is_beside {
                         continue;
                     }
-                    let at = item * Quantity::COUNT + column.quantity as usize;
+                    let quantity = column.series.quantity;
+                    let at = item * Quantity::COUNT + quantity as usize;
                     let part = DIFFERENCES * difference;
-                    values[at] = found[item];
-                    scales[at] = column.scale(found[item]);
-                    errors[at] = (part + floor) * scales[at];
-                    if let Some(aim) = aim(column.quantity) {
+                    let (value, scale) = (found[item], column.scale(found[item]));
+                    // Of two values the greater one; the other one may reach as far.
+                    let (known, reach) = (values[at], values[at] + errors[at]);
+                    let reach = reach.max(value + (part + floor) * scale);
+                    if known.is_nan() || known < value {
+                        (values[at], scales[at]) = (value, scale);
+                    }
+                    errors[at] = reach - values[at];
+                    if let Some(aim) = aim(quantity) {
                         needs[item] = needs[item].max(part / aim);
                     }
                 }
@@ -332,9 +335,9 @@ impl Map {
         Some(needs)
     }
 
-    /// The value of a quantity of a solved point with an answer.
-    fn solved_value(&self, quantity: Quantity, item: usize) -> Option<f64> {
-        self.queue.case(item).filter(|case| case.is_converged())?.values.get(quantity)
+    /// The value of a series at a solved point with an answer.
+    fn solved_value(&self, series: Series, item: usize) -> Option<f64> {
+        series.value(self.queue.case(item).filter(|case| case.is_converged())?)
     }
 
     /// The greatest of the values around each point.

@@ -14,6 +14,9 @@ use glam::{DMat3, DVec3, dvec3};
 /// Range of distances from the contact of the nodes that locate the contact edge \[grid spacings\].
 const EDGE_BAND: (f64, f64) = (1.0, 6.0);
 
+/// The middle of the implant \[axes of its base\].
+const MIDDLE: f64 = 0.5;
+
 /// Columns and rows to either side from which the pressure at the contact's edge is extrapolated.
 const REACH: usize = 4;
 
@@ -37,6 +40,8 @@ pub(super) struct Contact {
     at_nodes: Vec<f64>,
     /// Mean and greatest pressure \[kPa\].
     pressure: Option<Pressure>,
+    /// Greatest pressure of the middle and around it \[kPa\].
+    peaks: [f64; 2],
 }
 
 /// The contact edge on a centred dome.
@@ -88,8 +93,10 @@ impl Contact {
             resultant,
             at_nodes,
             pressure: None,
+            peaks: [0.0; 2],
         };
         contact.find_pressure();
+        contact.find_peaks(solution);
         contact
     }
 
@@ -127,6 +134,11 @@ impl Contact {
     /// Mean and greatest pressure \[kPa\]; `None` without contact.
     pub(super) fn pressure(&self) -> Option<Pressure> {
         self.pressure
+    }
+
+    /// Greatest pressure over the middle of the implant and around it \[kPa\]; zero without contact there.
+    pub(super) fn peaks(&self) -> [f64; 2] {
+        self.peaks
     }
 
     /// The mean pressure over a node inside of the contact and its neighbours inside \[kPa\]. Neighbours at the edge are left out:
@@ -208,6 +220,17 @@ impl Contact {
             }
         }
         self.pressure = Some(Pressure { mean, max: max.max(mean) });
+    }
+
+    /// Sets the greatest pressure over the middle of the implant, to half of its base's radius, and around it.
+    fn find_peaks(&mut self, solution: &Solution) {
+        let problem = solution.problem();
+        let (sheet, dome) = (problem.sheet(), &problem.obstacle.dome);
+        for (k, node) in self.part.nodes().enumerate().filter(|(k, _)| self.force[*k] > 0.0) {
+            let from_centre = (sheet.rest()[node] - dome.center) / dome.wall_axes();
+            let peak = &mut self.peaks[usize::from(from_centre.length() > MIDDLE)];
+            *peak = peak.max(self.at_nodes[k]);
+        }
     }
 
     /// The contact edge on a dome in the pocket's centre; `None` off centre or without contact.

@@ -215,6 +215,7 @@ impl Outcome {
             contact_resultant_n: None,
             contact_pressure_kpa: None,
             contact_pressure_mmhg: None,
+            pressure_peaks_kpa: [0.0; 2],
             projection_mm: None,
             skin_projection_mm: None,
             implant_in_body: None,
@@ -366,6 +367,7 @@ impl Outcome {
             self.contact_resultant_n = Some(resultant.to_array());
         }
         self.contact_pressure_kpa = contact.pressure();
+        self.pressure_peaks_kpa = contact.peaks();
         self.contact_pressure_mmhg = self
             .contact_pressure_kpa
             .map(|p| Pressure { mean: p.mean * MMHG_PER_KPA, max: p.max * MMHG_PER_KPA });

@@ -41,6 +41,10 @@ pub struct Outcome {
     pub contact_pressure_kpa: Option<Pressure>,
     /// Contact pressure \[mmHg\].
     pub contact_pressure_mmhg: Option<Pressure>,
+    /// Greatest pressure over the middle of the implant, to half of its base's radius, and around it \[kPa\]: each changes smoothly with a
+    /// scene, the greatest of both has a kink where they change places. In no file.
+    #[serde(skip)]
+    pub pressure_peaks_kpa: [f64; 2],
     /// Height of the implant's tip above the wall, over which the tissue is highest \[mm\].
     pub projection_mm: Option<f64>,
     /// Height of the outer skin surface over the implant's tip above the wall \[mm\]: of layered tissue `projection_mm` and the cover
