@@ -1,6 +1,6 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
-use super::{Field, Plane, Scene, SceneError, SkinState, field, limits, out_of_range};
+use super::{Field, Plane, Posture, Scene, SceneError, SkinState, field, limits, out_of_range};
 use crate::curve::{Curve, present, whole_of};
 use crate::mesh::{Attachment, Edge, Patch, balanced_cells};
 use crate::springs::Springs;
@@ -36,10 +36,13 @@ pub struct Body {
     /// Greatest void between tissue, implant and wall within the pocket \[ml\]; `None`: as large as it gets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pocket_void_ml: Option<f64>,
+    /// The posture in which the body was measured and is shown.
+    #[serde(skip_serializing_if = "is_default")]
+    pub posture: Posture,
 }
 
-fn is_default(state: &SkinState) -> bool {
-    *state == SkinState::default()
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Springs between the inner face beyond the pocket and the wall.
@@ -138,6 +141,7 @@ impl Body {
             skin_state: SkinState::default(),
             plane: None,
             pocket_void_ml: None,
+            posture: Posture::None,
         }
     }
 

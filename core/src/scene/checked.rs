@@ -123,7 +123,7 @@ impl CheckedScene {
         let negligible = LEAST_SHIFT * solver.tolerance * implant.base_radius_mm;
         let shift = |at: f64| if at.abs() <= negligible { 0.0 } else { at };
         let center = DVec2::from(implant.center_mm.map(shift));
-        let dome = Dome::new(center, implant.body(), *insertion);
+        let dome = Dome::new(center, implant.body(self.scene.body.posture), *insertion);
         let body = Some(self.scene.body).filter(|_| self.scene.is_layered());
         let patch = match body {
             None => Patch::clamped_at_pocket(*pocket_radius_mm),

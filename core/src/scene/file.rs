@@ -7,8 +7,8 @@ use super::patient::PatientFile;
 use super::plane::{Muscle, PlaneFile};
 use super::{
     AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    Patient, Placement, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid,
-    TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
+    Patient, Placement, Posture, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings,
+    ThicknessGrid, TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
 };
 use crate::clinical::When;
 use crate::curve::{List, given, given_object, object, present, present_object};
@@ -171,6 +171,9 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     pub(super) pocket_void_ml: Option<f64>,
+    /// Direction of the weight of an implant that yields. Default: `none`, no weight.
+    #[serde(default, deserialize_with = "present")]
+    pub(super) posture: Posture,
     /// Time after the operation, in place of `skin_state.relaxed` and `skin_state.grown`. A written scene has those.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "When")]
@@ -338,6 +341,7 @@ impl SceneFile {
             skin_state: skin_state(file.skin_state.unwrap_or_default(), file.when)?,
             plane: file.pocket_plane.into(),
             pocket_void_ml: file.pocket_void_ml,
+            posture: file.posture,
             ..default
         };
         // For each layer of the file the fields that a patient may fill.

@@ -1,7 +1,7 @@
 //! The implant: its numbers, in memory and in a file, and what follows from them.
 
 use super::fill::FillFile;
-use super::{Fill, SceneError, problem};
+use super::{Fill, Posture, SceneError, problem};
 use crate::clinical::{ClinicalError, Size};
 use crate::contact::{Deformed, Dome, HALF_ELLIPSOID, HalfBall, Shape};
 use crate::curve::{Pair, given, number, present};
@@ -150,15 +150,12 @@ impl Implant {
             .filled(self.fullness())
     }
 
-    /// The shape as the tissue meets it: one that yields by its fill.
+    /// The shape as the tissue meets it: one that yields by its fill, under its weight in a posture.
     #[must_use]
-    pub fn body(&self) -> Shape {
-        match self.fill {
-            None => self.shape().into(),
-            Some(fill) => {
-                Deformed::at_rest(self.shape(), fill.modulus_kpa(self.base_radius_mm)).into()
-            }
-        }
+    pub fn body(&self, posture: Posture) -> Shape {
+        let Some(fill) = self.fill else { return self.shape().into() };
+        let body = Deformed::at_rest(self.shape(), fill.modulus_kpa(self.base_radius_mm));
+        body.of_weight(posture.weight(fill)).into()
     }
 
     /// Is the implant a solid of revolution?

@@ -6,7 +6,7 @@
 //!
 //! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `thickness` (from place to place), `torso` (both of the built-in torso), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `fill` (how far an implant yields) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `other_side` (plans of their own for both sides) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
-//! `repair` (scenes that an edit made invalid) | `skin_state` (its natural tension), `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body), `plane` (of the pocket: the muscle over the implant) | `visit` (patient and visit in words).
+//! `repair` (scenes that an edit made invalid) | `skin_state` (its natural tension), `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body), `plane` (of the pocket: the muscle over the implant), `posture` (the weight of an implant that yields) | `visit` (patient and visit in words).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `solve`. Used by `simulate` and all to its right.
 
@@ -30,6 +30,7 @@ mod patient;
 pub mod pins;
 mod placement;
 mod plane;
+mod posture;
 pub mod read;
 mod repair;
 mod skin_state;
@@ -60,6 +61,7 @@ pub use patient::Patient;
 pub use pins::{Document, Letter, PinnedScene};
 pub use placement::{COVER_MM, LengthUnit, Placement};
 pub use plane::Plane;
+pub use posture::Posture;
 pub use read::MAX_SCENE_BYTES;
 pub use repair::Repair;
 use schemars::JsonSchema;

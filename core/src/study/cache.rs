@@ -48,6 +48,7 @@ impl Cases {
         words
             .extend(gel.map_or([u64::MAX; 2], |gel| [gel.modulus_kpa, gel.shell_kpa_mm].map(bits)));
         words.push(scene.body.plane.map_or(0, |plane| 1 + plane as u64));
+        words.push(scene.body.posture as u64);
         words.extend(layers.iter().map(|layer| self.curve(&layer.curve.spec)));
         words.push(self.grids(scene));
         Key(words.into())

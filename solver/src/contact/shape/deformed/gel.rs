@@ -1,7 +1,7 @@
 //! The energy of a body that yields: nearly incompressible, neo-Hookean, over the body at rest.
 //!
 //! W = E/6 ∫ (tr FᵀF − 3) dV with Young's modulus E and the gradient F of the image, of determinant one, by Gauss's rule in the angle whose cosine is
-//! the height, in the squared distance from the axis, and by equal steps around.
+//! the height, in the squared distance from the axis, and by equal steps around. A weight w per volume adds −w·∫ φ dV of the image φ.
 
 use super::super::traits::Geometry;
 use super::map::{MODES, Modes};
@@ -33,9 +33,20 @@ struct Point {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Gel {
     modulus_kpa: f64,
+    /// Weight per volume times the height \[kPa\].
+    weight: DVec3,
     /// Squares of the height by the half-axes.
     per_square: [f64; 2],
     points: Vec<Point>,
+}
+
+/// Of an image at a point: 1 − ε, 1 + 2νu, √(1 + νu), c and √c.
+struct Parts<R> {
+    left: R,
+    steep: R,
+    wide: R,
+    c: R,
+    root: R,
 }
 
 /// Energy with its derivatives \[kPa·mm³\].
@@ -47,8 +58,8 @@ pub(crate) struct Balance {
 }
 
 impl Gel {
-    /// Of a shape whose sections are ellipses, and of a modulus \[kPa\].
-    pub(crate) fn new(shape: &impl Geometry, modulus_kpa: f64) -> Self {
+    /// Of a shape whose sections are ellipses, of a modulus \[kPa\] and of a weight per volume \[kPa/mm\].
+    pub(crate) fn new(shape: &impl Geometry, modulus_kpa: f64, weight: DVec3) -> Self {
         let DVec3 { x: a, y: b, z: height } = shape.half_axes();
         let mut points = Vec::with_capacity(PARTS * GAUSS.len() * GAUSS.len() * AROUND);
         let sections = (0..PARTS).flat_map(|part| GAUSS.map(|(at, weight)| (part, at, weight)));
@@ -68,7 +79,7 @@ impl Gel {
             }
         }
         let per_square = [a, b].map(|axis| (height / axis).powi(2));
-        Self { modulus_kpa, per_square, points }
+        Self { modulus_kpa, weight: weight * height, per_square, points }
     }
 
     /// Elastic energy \[kPa·mm³\].
@@ -80,26 +91,58 @@ impl Gel {
         self.modulus_kpa / 6.0 * self.points.iter().map(trace).sum::<f64>()
     }
 
-    /// The gradient of the image at a point, by rows.
+    /// Energy of the weight, zero in the plane of the base under the body's middle \[kPa·mm³\].
+    #[cfg(test)]
+    pub(crate) fn potential(&self, modes: Modes<f64>) -> f64 {
+        let of = |point: &Point| -point.volume * self.lowered(point, modes);
+        self.points.iter().map(of).sum()
+    }
+
+    /// The image of a point along the weight \[kPa\].
     #[inline(always)]
-    fn gradient<R: Real>(&self, point: &Point, modes: Modes<R>) -> [[R; 3]; 3] {
-        let [flattening, taper, shoulder, widening, across, along] = modes;
+    fn lowered<R: Real>(&self, point: &Point, modes: Modes<R>) -> R {
+        let [x, y, z] = point.place.map(R::splat);
+        let Parts { left, steep, wide, c, root } = self.parts(point, modes);
+        let up = left * R::splat(2.0) * z * steep / (R::splat(1.0) + c);
+        let wide = root / (wide * left.sqrt());
+        let [.., widening, across, along] = modes;
+        let image = [
+            x * wide * widening.exp() + across * up,
+            y * wide * (-widening).exp() + along * up,
+            up,
+        ];
+        let [a, b, c] = self.weight.to_array().map(R::splat);
+        a * image[0] + b * image[1] + c * image[2]
+    }
+
+    /// What the image of a point and its gradient have in common.
+    #[inline(always)]
+    fn parts<R: Real>(&self, point: &Point, modes: Modes<R>) -> Parts<R> {
+        let [flattening, taper, shoulder, ..] = modes;
         let number = R::splat;
         let (one, two) = (number(1.0), number(2.0));
         let [x, y, z] = point.place;
-        let [by_x, by_y] = [x * self.per_square[0], y * self.per_square[1]];
-        let far = x * by_x + y * by_y;
+        let far = x * (x * self.per_square[0]) + y * (y * self.per_square[1]);
         let u = two * number(far) / (one + (one + shoulder * number(4.0 * far)).sqrt());
         let (steep, wide) = (one + two * shoulder * u, (one + shoulder * u).sqrt());
+        let c = (one + two * taper * number(z) * steep).max(number(0.01)).sqrt();
+        Parts { left: one - flattening, steep, wide, c, root: c.sqrt() }
+    }
+
+    /// The gradient of the image at a point, by rows.
+    #[inline(always)]
+    fn gradient<R: Real>(&self, point: &Point, modes: Modes<R>) -> [[R; 3]; 3] {
+        let [_, taper, shoulder, widening, across, along] = modes;
+        let number = R::splat;
+        let [x, y, z] = point.place;
+        let [by_x, by_y] = [x * self.per_square[0], y * self.per_square[1]];
+        let Parts { left, steep, wide, c, root } = self.parts(point, modes);
         // ∂(1/wide)/∂(far) times two, and ∂(steep)/∂(far) times two.
         let narrowing = shoulder / (wide * wide * wide * steep);
         let rise = number(4.0) * shoulder / steep;
-        let per_wide = one / wide;
+        let per_wide = number(1.0) / wide;
         let upper = [rise * number(z * by_x), rise * number(z * by_y), steep];
-        let c = (one + two * taper * number(z) * steep).max(number(0.01)).sqrt();
-        let root = c.sqrt();
-        let bow = taper / (two * c * root);
-        let left = one - flattening;
+        let bow = taper / (number(2.0) * c * root);
         let up = left / c;
         let row = |of: f64, own: usize, widening: R, shear: R| {
             let width = widening.exp() / left.sqrt();
@@ -113,13 +156,19 @@ impl Gel {
         [row(x, 0, widening, across), row(y, 1, -widening, along), upper.map(|part| part * up)]
     }
 
-    /// Derivatives of the energy by the numbers.
+    /// Derivatives of both energies by the numbers; the second ones are those of the elastic energy.
     pub(crate) fn balance(&self, modes: Modes<f64>) -> Balance {
         let variables = [0, 1, 2, 3, 4, 5].map(|k| Dual::<MODES>::variable(modes[k], k));
         let shear_modulus = self.modulus_kpa / 3.0;
         let mut forces = [0.0; MODES];
         let mut stiffness = [[0.0; MODES]; MODES];
         for point in &self.points {
+            if self.weight != DVec3::ZERO {
+                let lowered = self.lowered(point, variables);
+                for (force, slope) in forces.iter_mut().zip(lowered.slopes) {
+                    *force -= point.volume * slope;
+                }
+            }
             let rows = self.gradient(point, variables);
             let weight = shear_modulus * point.volume;
             for i in 0..3 {

@@ -33,6 +33,8 @@ pub struct Deformed<S> {
     pub(crate) rest: S,
     /// Young's modulus of the body, its shell included \[kPa\]; infinite: the deformation is given.
     pub(crate) modulus_kpa: f64,
+    /// Weight per volume \[kPa/mm\].
+    pub(crate) weight: DVec3,
     /// The numbers of the deformation.
     pub(crate) modes: [f64; MODES],
 }
@@ -41,7 +43,13 @@ impl<S: Geometry> Deformed<S> {
     /// A body at rest, of Young's modulus \[kPa\] with the shell's part.
     #[must_use]
     pub fn at_rest(rest: S, modulus_kpa: f64) -> Self {
-        Self { rest, modulus_kpa, modes: [0.0; MODES] }
+        Self { rest, modulus_kpa, weight: DVec3::ZERO, modes: [0.0; MODES] }
+    }
+
+    /// The same body with a weight per volume \[kPa/mm\].
+    #[must_use]
+    pub fn of_weight(self, weight: DVec3) -> Self {
+        Self { weight, ..self }
     }
 
     /// The same body with other numbers of its deformation.
@@ -75,7 +83,7 @@ impl<S: Geometry> Deformed<S> {
     }
 
     pub(crate) fn gel(&self) -> Gel {
-        Gel::new(&self.rest, self.modulus_kpa)
+        Gel::new(&self.rest, self.modulus_kpa, self.weight)
     }
 
     pub(crate) fn map<R: Real>(&self) -> Map<R> {
@@ -223,7 +231,7 @@ impl Geometry for Deformed<HalfBall> {
 
     fn mirrored(&self) -> [bool; 2] {
         let rest = self.rest.mirrored();
-        [0, 1].map(|axis| rest[axis] && self.modes[4 + axis] == 0.0)
+        [0, 1].map(|axis| rest[axis] && self.modes[4 + axis] == 0.0 && self.weight[axis] == 0.0)
     }
 
     /// By bisection along the image of the direction.

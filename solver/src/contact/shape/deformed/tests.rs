@@ -23,7 +23,7 @@ fn soft() -> impl Iterator<Item = Deformed<HalfBall>> {
                 0.15 * random(4.0),
                 0.15 * random(5.0),
             ];
-            Deformed { rest, modulus_kpa: 20.0, modes }
+            Deformed::at_rest(rest, 20.0).with_modes(modes)
         })
     })
 }
@@ -241,4 +241,56 @@ fn the_upper_share_is_that_of_points_in_the_body_and_a_half_of_a_body_alike_to_b
     assert!((alike.upper_share() - 0.5).abs() < 1e-12);
     let fuller_below = Deformed::at_rest(HalfBall::round(60.0, 40.0).anatomical(60.0, 18.0), 20.0);
     assert!(fuller_below.upper_share() < 0.48, "{}", fuller_below.upper_share());
+}
+
+/// The energy of the weight is that of points of the body at rest, its derivatives are by differences; under it alone a standing body shears by
+/// ρ g z_c / G of its centroid's height z_c, and a lying one is flattened.
+#[test]
+fn a_weight_shears_a_standing_body_and_flattens_a_lying_one() {
+    let weight = DVec3::new(2e-3, -9.5e-3, -7e-3);
+    for shape in soft() {
+        let shape = shape.of_weight(weight);
+        let (gel, map, half) = (shape.gel(), shape.map::<f64>(), 75.0);
+        let (gauge, mut sum, mut count) = (shape.rest.gauge::<f64>(), 0.0, 0.0);
+        let [across, along, up] = [60_usize; 3];
+        for k in 0..across * along * up {
+            let part = |k: usize, of: usize| ((k % of) as f64 + 0.5) / of as f64;
+            let (x, y) = (part(k, across), part(k / across, along));
+            let at = [
+                half * (2.0 * x - 1.0),
+                half * (2.0 * y - 1.0),
+                41.0 * part(k / across / along, up),
+            ];
+            if gauge.length_squared(at) < 1.0 {
+                sum -= weight.dot(map.image(at).into());
+                count += 1.0;
+            }
+        }
+        let (found, expected) = (gel.potential(shape.modes), shape.rest.volume() * sum / count);
+        let scale = weight.length() * 41.0 * shape.rest.volume();
+        assert!((found - expected).abs() < 2e-3 * scale, "{found} {expected}");
+        let elastic = shape.clone().of_weight(DVec3::ZERO).gel();
+        let (with, without) = (gel.balance(shape.modes), elastic.balance(shape.modes));
+        for k in 0..MODES {
+            let at = |step: f64| {
+                let mut modes = shape.modes;
+                modes[k] += step;
+                gel.potential(modes)
+            };
+            let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!((slope - (with.forces[k] - without.forces[k])).abs() < 1e-7 * scale);
+        }
+    }
+    let rest = HalfBall::round(60.0, 40.0);
+    let step = |weight: DVec3| {
+        let gel = Deformed::at_rest(rest, 30.0).of_weight(weight).gel();
+        let balance = gel.balance([0.0; MODES]);
+        [0, 1, 2, 3, 4, 5].map(|k| -balance.forces[k] / balance.stiffness[k][k])
+    };
+    let standing = step(DVec3::new(0.0, -9.5e-3, 0.0));
+    let shear = -9.5e-3 * (3.0 / 8.0 * 40.0) / (30.0 / 3.0);
+    assert!((standing[5] / shear - 1.0).abs() < 1e-4, "{standing:?} {shear}");
+    assert!(standing[..5].iter().all(|change| change.abs() < 1e-12));
+    let lying = step(DVec3::new(0.0, 0.0, -9.5e-3));
+    assert!(lying[0] > 0.0 && lying[3..].iter().all(|change| change.abs() < 1e-12));
 }
