@@ -6,6 +6,7 @@
 use implant_preview::measure::{Outcome, Status};
 use implant_preview::scene::Scene;
 use implant_preview::simulate::simulate;
+use implant_preview_lab::robustness::Ending;
 use implant_preview_lab::robustness::clinical::{Clinical, ClinicalSummary};
 use serde_json::{Value, json};
 
@@ -86,6 +87,17 @@ fn the_shape_over_a_lower_apex_converges_at_second_order() {
         assert!(second <= most, "{quantity}: {second:.1e}");
         assert!(second <= 0.5 * first + 2e-4, "{quantity}: {first:.1e} {second:.1e}");
     }
+}
+
+/// The inner face slopes by 27° towards the implant in the void beside its steep end: every path of multigrid once refused this shape as
+/// inverted, although the least volume ratio of a cell is 0.89, and the scene had no answer.
+#[test]
+fn tight_skin_that_lifts_the_inner_face_beside_a_steep_implant_has_a_shape() {
+    let clinical = Clinical { has_terrain: true, nodes_per_side: 97, ..Clinical::default() };
+    let case = clinical.run(11, 1936, None);
+    assert_eq!(case.case.ending, Ending::Converged);
+    assert!(!case.by_newton && case.attempts == 3 && case.case.findings.is_empty());
+    assert!(case.case.least_volume_ratio.unwrap() > 0.8);
 }
 
 #[test]

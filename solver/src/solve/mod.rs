@@ -286,11 +286,11 @@ impl Solver {
 
     /// Is the sheet at rest a solution?
     fn may_rest(&self) -> bool {
-        let Problem { rest, obstacle, tolerance, .. } = &*self.problem;
+        let Problem { rest, obstacle, tissue, tolerance, .. } = &*self.problem;
         let (sheet, n) = (rest.sheet(), rest.sheet().nodes_per_side());
         let at = |i: usize, j: usize| rest.node(0, j * n + i);
         self.error_at_rest() <= REST_TOLERANCE * tolerance
-            && validity::invalid(sheet, &obstacle.dome, *tolerance, [0; 2], at).is_none()
+            && validity::invalid((sheet, *tissue), &obstacle.dome, *tolerance, [0; 2], at).is_none()
     }
 
     /// Does pieces of work until `pause` returns true or the solve ends. A piece is a few passes over the grid (a few

@@ -25,8 +25,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let n = layout.nodes_per_side;
         let stored = layout.first();
         let first = layout.mirrored.map(|is_mirrored| if is_mirrored { n / 2 } else { 0 });
-        let Problem { rest, obstacle, tolerance, .. } = problem;
-        validity::invalid(rest.sheet(), &obstacle.dome, *tolerance, first, |i, j| {
+        let Problem { rest, obstacle, tissue, tolerance, .. } = problem;
+        validity::invalid((rest.sheet(), *tissue), &obstacle.dome, *tolerance, first, |i, j| {
             let moved = u.at((j - stored[1]) * layout.pitch + i - stored[0]).map(f64::from);
             rest.node(0, j * n + i) + DVec3::from(moved) * self.spacing
         })

@@ -195,9 +195,9 @@ impl<S: System> NestedNewton<S> {
     /// Why the finest grid's shape is invalid; `None` for a valid shape.
     pub(in crate::solve) fn invalid(&self, problem: &Problem) -> Option<Invalid> {
         let Newton { grid, x, .. } = self.finest();
-        let (sheet, n) = (grid.sheet(), grid.sheet().nodes_per_side());
+        let (of, n) = ((grid.sheet(), problem.tissue), grid.sheet().nodes_per_side());
         let at = |i: usize, j: usize| x[0][j * n + i];
-        validity::invalid(sheet, &problem.obstacle.dome, problem.tolerance, [0; 2], at)
+        validity::invalid(of, &problem.obstacle.dome, problem.tolerance, [0; 2], at)
             .or_else(|| S::is_inverted(grid, x).then_some(Invalid::Inverted))
     }
 
