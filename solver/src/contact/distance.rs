@@ -1,6 +1,6 @@
 //! Distances from the implant: of a point, along a ray.
 
-use super::Dome;
+use super::dome::{Dome, symmetric};
 use super::shape::Near;
 use crate::mesh::Chest;
 use glam::{DMat3, DVec2, DVec3};
@@ -41,16 +41,19 @@ impl Dome {
 
     /// A closest point of the surface.
     fn foot(&self, point: DVec3) -> DVec3 {
-        let mut foot = self.onto_surface(point);
+        let draped = self.draped::<f64>();
+        let onto_surface = |at: DVec3| self.projected(&draped, at, 0.0);
+        let mut foot = onto_surface(point);
         for _ in 0..MOST_STEPS {
-            let gradient = self.gauge_gradient(foot);
+            let gradient = DVec3::from(draped.near(foot.to_array()).gradient);
             let steepness = gradient.length();
             let normal = gradient / steepness;
             let away = point - foot;
             let height = normal.dot(away);
             // The distance along the surface to second order: 1 + height × curvature, 1 on its normal.
             let (a, b) = normal.any_orthonormal_pair();
-            let bend = self.gauge_curvature(foot) * (height / steepness) + DMat3::IDENTITY;
+            let curvature = symmetric(draped.curvature(foot.to_array(), 0.0));
+            let bend = curvature * (height / steepness) + DMat3::IDENTITY;
             let (aa, ab, bb) = (a.dot(bend * a), a.dot(bend * b), b.dot(bend * b));
             let (along_a, along_b, det) = (a.dot(away), b.dot(away), aa * bb - ab * ab);
             let is_convex = aa > 0.0 && det > 1e-9 * aa * bb;
@@ -61,7 +64,7 @@ impl Dome {
             };
             let before = away.length_squared();
             let moved = (0..MOST_HALVINGS).find_map(|_| {
-                let to = self.onto_surface(foot + step);
+                let to = onto_surface(foot + step);
                 step *= 0.5;
                 (point.distance_squared(to) < before).then_some(to)
             });

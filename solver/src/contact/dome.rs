@@ -5,6 +5,7 @@
 
 use super::shape::{Draped, Modes, Near, Shape, ShapeGauge};
 use crate::mesh::Chest;
+use crate::mesh::vec3::Block;
 use crate::number::Real;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -12,6 +13,14 @@ use glam::{DMat3, DVec2, DVec3};
 /// half of an ellipsoid grows without limit towards the rim, as a sharp edge's, from which a node may slide: times the reaction it would outweigh the
 /// tissue's stiffness. With the bound steps of Newton's method converge at a slower rate there.
 const LEAST_OF_CONTACT: f64 = 0.01;
+
+/// The gauge of a dome in place.
+pub(super) type OwnGauge = Draped<f64, ShapeGauge<f64>>;
+
+/// The matrix of a second derivative.
+pub(super) fn symmetric([xx, xy, xz, yy, yz, zz]: Block<f64>) -> DMat3 {
+    DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+}
 
 /// A dome in place. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,16 +154,19 @@ impl Dome {
         Self { base_height, ..self.clone() }
     }
 
-    /// A distance \[mm\] that a point outside is at least away, over the plane; no root but the gauge's.
-    #[must_use]
-    pub fn least_distance(&self, point: DVec3) -> f64 {
-        let least = self.shape.least_length();
-        if !self.shape.outgrows_distance() {
-            return self.gauge(point) * least;
+    /// Distances \[mm\] that points outside are at least away, over the plane; no root but the gauge's.
+    pub fn least_distances(&self) -> impl Fn(DVec3) -> f64 {
+        let (least, top) = (self.shape.least_length(), self.top());
+        let (outgrows, draped) = (self.shape.outgrows_distance(), self.draped::<f64>());
+        let gauge = move |point: DVec3| draped.near(point.to_array()).length - 1.0;
+        move |point| {
+            if !outgrows {
+                return gauge(point) * least;
+            }
+            // The half-space below the apex contains the dome.
+            let over = (point.z - self.chest.height(point.truncate()) - top).max(0.0);
+            (gauge(point - DVec3::Z * over) * least).max(over)
         }
-        // The half-space below the apex contains the dome.
-        let over = (point.z - self.chest.height(point.truncate()) - self.top()).max(0.0);
-        (self.gauge(point - DVec3::Z * over) * least).max(over)
     }
 
     /// The gauge in place, in numbers of one precision.
@@ -183,20 +195,9 @@ impl Dome {
         (length - 1.0, if length > 0.0 { gradient.into() } else { upright })
     }
 
-    /// Second derivative of [`Self::gauge`] \[1/mm²\].
-    #[must_use]
-    pub fn gauge_curvature(&self, point: DVec3) -> DMat3 {
-        self.curvature_from(point, 0.0)
-    }
-
-    /// [`Self::gauge_curvature`] for the Hessian of contact: bounded at the rim.
+    /// Second derivative of [`Self::gauge`] \[1/mm²\] for the Hessian of contact: bounded at the rim.
     pub(super) fn contact_curvature(&self, point: DVec3) -> DMat3 {
-        self.curvature_from(point, LEAST_OF_CONTACT)
-    }
-
-    fn curvature_from(&self, point: DVec3, least: f64) -> DMat3 {
-        let [xx, xy, xz, yy, yz, zz] = self.draped::<f64>().curvature(point.to_array(), least);
-        DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+        symmetric(self.draped::<f64>().curvature(point.to_array(), LEAST_OF_CONTACT))
     }
 
     /// Outer unit normal of the gauge's level surface through a point.
@@ -215,7 +216,11 @@ impl Dome {
     /// centre of the base, of another fullness along its image, or along the axis, whichever is the shorter way.
     #[must_use]
     pub fn project(&self, point: DVec3, gauge: f64) -> DVec3 {
-        let draped = self.draped::<f64>();
+        self.projected(&self.draped(), point, gauge)
+    }
+
+    /// [`Self::project`] with the dome's own gauge in place.
+    pub(super) fn projected(&self, draped: &OwnGauge, point: DVec3, gauge: f64) -> DVec3 {
         let near = draped.near(point.to_array());
         if near.length < 1e-12 {
             return self.apex();
@@ -375,7 +380,7 @@ pub(super) mod tests {
                 for away in [0.1, 2.0, 10.0, 50.0] {
                     let outside = point + dome.normal(point) * away + DVec3::Z * 0.2 * away;
                     let (distance, _) = dome.closest_point(outside);
-                    let least = dome.least_distance(outside);
+                    let least = dome.least_distances()(outside);
                     assert!(least <= distance * (1.0 + 1e-9), "{least} {distance}");
                 }
             }

@@ -226,8 +226,9 @@ impl Contact {
     fn find_peaks(&mut self, solution: &Solution) {
         let problem = solution.problem();
         let (sheet, dome) = (problem.sheet(), &problem.obstacle.dome);
+        let axes = dome.wall_axes();
         for (k, node) in self.part.nodes().enumerate().filter(|(k, _)| self.force[*k] > 0.0) {
-            let from_centre = (sheet.rest()[node] - dome.center) / dome.wall_axes();
+            let from_centre = (sheet.rest()[node] - dome.center) / axes;
             let peak = &mut self.peaks[usize::from(from_centre.length() > MIDDLE)];
             *peak = peak.max(self.at_nodes[k]);
         }

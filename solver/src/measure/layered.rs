@@ -271,9 +271,10 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
     let is_even = solution.problem().rest.is_even();
     let of_draped = if is_even { 1.0 } else { LEAST_OF_DRAPED };
     let mut least = (f64::INFINITY, [apex.x, apex.y]);
+    let bound = dome.least_distances();
     for (_, point) in outer {
         // A bound without roots keeps far nodes out of the search.
-        if dome.least_distance(*point) * of_draped > least.0 {
+        if bound(*point) * of_draped > least.0 {
             continue;
         }
         let distance = dome.closest_point(*point).0;
@@ -301,6 +302,7 @@ pub fn cover_without_innermost(solution: &Solution, cover: &Cover) -> Option<Cov
     let apex = dome.apex();
     let mut at_apex = (f64::INFINITY, 0.0);
     let mut least = f64::INFINITY;
+    let bound = dome.least_distances();
     for node in free_nodes(solution) {
         let own = rest.innermost_part(node) * f64::from(thickness[node]);
         let apart = solution.inner()[node].distance_squared(apex);
@@ -308,7 +310,7 @@ pub fn cover_without_innermost(solution: &Solution, cover: &Cover) -> Option<Cov
             at_apex = (apart, own);
         }
         let outer = solution.outer_surface_at(node).as_dvec3();
-        if dome.least_distance(outer) * of_draped - own <= least {
+        if bound(outer) * of_draped - own <= least {
             least = least.min(dome.closest_point(outer).0 - own);
         }
     }

@@ -106,12 +106,13 @@ impl Real for f64 {
 
     #[inline(always)]
     fn max(self, other: f64) -> f64 {
-        f64::max(self, other)
+        // f64::max is a call in WebAssembly.
+        if self > other { self } else { other }
     }
 
     #[inline(always)]
     fn min(self, other: f64) -> f64 {
-        f64::min(self, other)
+        if self < other { self } else { other }
     }
 
     #[inline(always)]
