@@ -272,7 +272,12 @@ pub(super) fn hint(ui: &mut Ui, area: Rect) {
     let inner = inner.with_max_y(inner.bottom() - ui.text_style_height(&egui::TextStyle::Body));
     let builder = egui::UiBuilder::new().id_salt("hint").max_rect(inner).layout(layout);
     let words = tr("Change width, volume or pinch · drag the picture to turn it");
-    let words = RichText::new(words).color(ui.visuals().weak_text_color());
-    ui.new_child(builder)
-        .add(egui::Label::new(words).selectable(false).wrap().halign(egui::Align::Max));
+    let (text, ground) = (ui.visuals().strong_text_color(), ui.visuals().window_fill);
+    let mut ui = ui.new_child(builder);
+    // On a ground of its own over the skin.
+    let behind = ui.painter().add(egui::Shape::Noop);
+    let label = egui::Label::new(RichText::new(words).color(text));
+    let rect = ui.add(label.selectable(false).wrap().halign(egui::Align::Max)).rect;
+    let ground = ground.gamma_multiply(0.85);
+    ui.painter().set(behind, egui::Shape::rect_filled(rect.expand(4.0), 4.0, ground));
 }
