@@ -86,7 +86,7 @@ mod volumes;
 mod window;
 
 /// Tall enough for all folds.
-const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
+const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2800.0);
 /// A usual screen.
 const DESKTOP: egui::Vec2 = egui::Vec2::new(1440.0, 900.0);
 const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);

@@ -22,7 +22,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use window::{flat_plan, plan_on_a_body, window};
 
 /// Tall enough for all folds.
-const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2600.0);
+const WIDE: egui::Vec2 = egui::Vec2::new(1280.0, 2800.0);
 const DESKTOP: egui::Vec2 = egui::Vec2::new(1440.0, 900.0);
 const PHONE: egui::Vec2 = egui::Vec2::new(390.0, 844.0);
 

@@ -81,6 +81,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "To the side (cm)",
       "Up (cm)",
       "In place (%)",
+      "Fluid in the pocket",
       "Patient no.",
       "Side",
       "Date of the visit",

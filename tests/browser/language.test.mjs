@@ -32,6 +32,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Hacia el lado (cm)",
       "Hacia arriba (cm)",
       "Insertado (%)",
+      "Líquido en el bolsillo",
       "N.º paciente",
       "Lado",
       "Fecha de la visita",

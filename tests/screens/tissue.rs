@@ -162,6 +162,38 @@ fn layers_that_stay_stable_under_the_papers_springs_are_reported() {
 }
 
 #[test]
+fn fluid_beside_the_implant_is_limited_by_a_chip_and_a_number_and_freed_again() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
+    unfold(&mut harness, "Details");
+    press(&mut harness, "Pin as A");
+    let result = |harness: &Harness<'static, App>| {
+        let outcome = harness.state().outcome().unwrap();
+        (outcome.void_ml.unwrap(), outcome.contact_force_n.unwrap())
+    };
+    let (free, force) = result(&harness);
+    assert!(free > 15.0 && harness.query_by_label("Suction of the void").is_none(), "{free}");
+    assert!(harness.query_by_role_and_label(Role::SpinButton, "Fluid (ml)").is_none());
+    press(&mut harness, "Limited");
+    let (limited, greater) = result(&harness);
+    assert!((limited - 10.0).abs() < 0.1 && greater > force, "{limited} {greater} {force}");
+    assert!(harness.query_by_label("Suction of the void").is_some());
+    let differs = "Fluid in the pocket: this plan 10 ml at most; A not limited";
+    assert!(text_with(&harness, differs).is_some());
+    type_into(&mut harness, "Fluid (ml)", "12");
+    assert_eq!(harness.state().session().scene().body.pocket_void_ml, Some(12.0));
+    let (wider, less) = result(&harness);
+    assert!((wider - 12.0).abs() < 0.12 && less < greater, "{wider} {less} {greater}");
+    // Not a matter of another model.
+    unfold(&mut harness, "Advanced");
+    assert!(harness.query_by_role_and_label(Role::ComboBox, "Resolution").is_some());
+    assert!(harness.query_by_role_and_label(Role::ComboBox, "Tissue model").is_none());
+    press(&mut harness, "Not limited");
+    assert_eq!(harness.state().session().scene().body.pocket_void_ml, None);
+    assert!((result(&harness).1 - force).abs() < 1e-9);
+}
+
+#[test]
 fn below_the_muscle_the_card_of_the_cover_has_it_with_and_without_the_muscle() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");

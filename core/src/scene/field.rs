@@ -68,6 +68,7 @@ const PLAIN: Scale = Scale { unit: "", factor: 1.0, step: 0.01, decimals: 2 };
 const TENSION: Scale = Scale { unit: "N/m", factor: 1.0, step: 1.0, decimals: 0 };
 const DEGREES: Scale = Scale { unit: "°", factor: 1.0, step: 5.0, decimals: 0 };
 const MILLILITRES: Scale = Scale { unit: "ml", factor: 1.0, step: 5.0, decimals: 0 };
+const FLUID: Scale = Scale { step: 1.0, ..MILLILITRES };
 const STIFFNESS: Scale = Scale { unit: "kPa/mm", factor: 1.0, step: 0.1, decimals: 1 };
 
 /// What is common to a number of all scenes.
@@ -200,7 +201,7 @@ fields! {
     Grown: "skin_state.grown", Body[skin_state.grown], "growth of the skin", "", (0.0, 1.0), Tables;
         "", PLAIN, "";
     PocketVoid: "pocket_void_ml", Body[pocket_void_ml?], "greatest void of the pocket", "ml", (0.0, 200.0), Dome;
-        "", MILLILITRES, "";
+        "Fluid", FLUID, "How much fluid the ring between the implant's rim and the pocket's edge holds at most: a few ml on the table, later none. The tissue is then drawn into it.";
     ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
         "Radius across", CM, "Radius of curvature of the chest wall at the pocket's centre; a negative radius in a file is a hollow chest.";
     ChestAlong: "chest.radius_along_mm", Chest[1], "radius of the chest along the body", "mm", CHEST_RADIUS_MM, Grid;

@@ -4,7 +4,7 @@
 //! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
 
 use crate::app::plan::device::Device;
-use crate::app::plan::{chest_in_words, fill_in_words, shape_in_words};
+use crate::app::plan::{chest_in_words, fill_in_words, fluid_in_words, shape_in_words};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::scene::field::TORSO;
@@ -35,7 +35,7 @@ use Value::{Number, Shape, Words};
 
 const BREAST: &str = "Breast";
 
-const GIVEN: [Given; 10] = [
+const GIVEN: [Given; 11] = [
     Given { name: BREAST, unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
@@ -56,6 +56,12 @@ const GIVEN: [Given; 10] = [
     },
     Given { name: "Chest", unit: "", value: Words(chest_in_words), is_in_captions: true },
     Given { name: "Margin of the pocket", unit: "cm", value: Words(margin), is_in_captions: true },
+    Given {
+        name: "Fluid in the pocket",
+        unit: "",
+        value: Words(fluid_in_words),
+        is_in_captions: true,
+    },
 ];
 
 fn side(scene: &Scene) -> String {

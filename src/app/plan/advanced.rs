@@ -38,6 +38,7 @@ pub(crate) fn tissue(
         }
         fat::show(ui, scene, hand);
         pocket::plane(ui, scene, hand);
+        pocket::fluid(ui, scene, hand);
         when::show(ui, scene, hand);
         layers(ui, scene)
     });
@@ -73,8 +74,9 @@ pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, session: &Session, hand: Hand
 /// Is the model the usual one: skin on solid layers, standard law, patch and attachment of every plan?
 fn is_standard(scene: &Scene) -> bool {
     let usual = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
-    let body = Body { skin_state: usual.skin_state, plane: usual.plane, ..scene.body };
-    scene.springs == Springs::Coupled && body == usual
+    let Body { patch_radius_mm, attachment, .. } = scene.body;
+    let body = Body { patch_radius_mm, attachment, ..usual };
+    scene.springs == Springs::Coupled && scene.is_layered() && body == usual
 }
 
 /// Is the accuracy that of the opening plan?

@@ -28,6 +28,8 @@ enum Number {
     /// Position along an axis (0: to the side, 1: up).
     Offset(usize),
     InPlace,
+    /// Greatest void of a plan that limits it.
+    Fluid,
 }
 
 /// The numbers of the size by name, in the order of the screen; the choice of the shape is before the width.
@@ -37,8 +39,8 @@ const OF_SIZE: [(&str, Number); 4] = [
     ("volume_ml", Number::Size(Dimension::Volume)),
     ("projection_cm", Number::Size(Dimension::Projection)),
 ];
-/// The numbers after the plain ones; skin and choice of the chest follow the pinch.
-const OTHERS: [(&str, Number); 8] = [
+/// The numbers after the plain ones; skin and choice of the chest follow the pinch, the choice of the fluid is before its volume.
+const OTHERS: [(&str, Number); 9] = [
     ("apex_lower_cm", Number::Apex),
     (PINCH, Number::Pinch),
     ("chest_across_cm", Number::Chest(0)),
@@ -47,6 +49,7 @@ const OTHERS: [(&str, Number); 8] = [
     ("side_cm", Number::Offset(0)),
     ("up_cm", Number::Offset(1)),
     ("in_place_percent", Number::InPlace),
+    (FLUID_ML, Number::Fluid),
 ];
 /// The numbers of a torso by name.
 const OF_TORSO: [(&str, Number); 5] = [
@@ -62,6 +65,8 @@ const FILL: &str = "fill";
 const PINCH: &str = "pinch_cm";
 const SKIN: &str = "skin";
 const CHEST: &str = "chest";
+const FLUID: &str = "fluid";
+const FLUID_ML: &str = "fluid_ml";
 
 /// The name of a plain number: the last one of its path.
 fn name_of(number: Row) -> &'static str {
@@ -81,6 +86,7 @@ pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
         if name == WIDTH && has_shape(choices) {
             fields.extend([shape_field(scene), fill_field(scene)]);
         }
+        fields.extend((name == FLUID_ML && scene.is_layered()).then(|| fluid_field(scene)));
         fields.extend(number.control(scene, choices).map(|(control, value)| {
             let allowed = control.allowed();
             let (text, values) = (
@@ -192,6 +198,23 @@ fn chest_field(scene: &Scene) -> Field {
     }
 }
 
+/// The choice of whether the void of the pocket is limited.
+fn fluid_field(scene: &Scene) -> Field {
+    Field {
+        name: FLUID,
+        label: tr("Fluid in the pocket"),
+        unit: "",
+        text: pocket::fluid_choice(scene).to_owned(),
+        hint: tr("The ring between the implant's rim and the pocket's edge: as large as it gets, or with so much fluid at most.")
+            .to_owned(),
+        range: String::new(),
+        values: Values::Words {
+            choices: pocket::FLUIDS.map(|(word, ..)| word).to_vec(),
+            words: pocket::FLUIDS.map(|(_, name, _)| tr(name)).to_vec(),
+        },
+    }
+}
+
 /// Sets a field from its text. A number may have a decimal comma and a unit.
 ///
 /// # Errors
@@ -238,6 +261,15 @@ pub(crate) fn set(
         chest.set(scene);
         return Ok(());
     }
+    if name == FLUID && scene.is_layered() {
+        let words = pocket::FLUIDS.map(|(word, ..)| word);
+        let found = words.iter().position(|word| *word == text.trim());
+        let found = found.ok_or_else(|| {
+            tr!("Fluid in the pocket: allowed: {words}", words = words.join(", "))
+        })?;
+        pocket::limit_fluid(scene, found == 1);
+        return Ok(());
+    }
     if let Some(set) = visit::set_form_field(scene, name, text) {
         return set;
     }
@@ -275,6 +307,7 @@ impl Number {
             Self::Margin => pocket::margin(scene),
             Self::Offset(axis) => position::offset(scene, axis),
             Self::InPlace => insertion(scene),
+            Self::Fluid => return pocket::fluid_control(scene),
         })
     }
 
@@ -301,6 +334,7 @@ impl Number {
             Self::Margin => pocket::set_margin(scene, value),
             Self::Offset(axis) => scene.implant.center_mm[axis] = mm(value),
             Self::InPlace => set_insertion(scene, value),
+            Self::Fluid => Row::PocketVoid.set(scene, 0, value),
         }
     }
 }
@@ -353,6 +387,10 @@ mod tests {
         assert_eq!((shaped.implant.apex_shift_mm, shaped.pocket_radius_mm), (20.0, 77.5));
         assert_eq!(after(&[("fill", "soft")]).implant.fill, Some(Fill::Soft));
         assert_eq!(after(&[("fill", "rigid")]).implant.fill, None);
+        let limited = after(&[("fluid", "limited"), ("fluid_ml", "4")]);
+        assert_eq!(limited.body.pocket_void_ml, Some(4.0));
+        let free = after(&[("fluid", "limited"), ("fluid", "free")]);
+        assert_eq!(free, Scene::opening());
         let round = after(&[("shape", "anatomical"), ("shape", "round")]);
         assert!(round.implant.is_round());
         let chest =
@@ -367,7 +405,7 @@ mod tests {
         let plain = Row::PLAIN.map(name_of).join(", ");
         let no_field = format!(
             "the plan has no field of this name; allowed: shape, fill, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
-             chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, reference, side, date, surgeon, remarks"
+             chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, fluid, reference, side, date, surgeon, remarks"
         );
         for (name, text, words) in [
             ("width_cm", "wide", "Width: “wide” is not a number"),
@@ -378,6 +416,7 @@ mod tests {
             ("shape", "square", "Implant: allowed: round, anatomical"),
             ("fill", "hard", "Filled with: allowed: form_stable, cohesive, soft, saline, rigid"),
             ("chest", "square", "Chest: allowed: flat, usual, round, torso"),
+            ("fluid", "10", "Fluid in the pocket: allowed: free, limited"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             ("height", "3", &no_field),
             ("side", "up", "Side: allowed: left, right, both, each own, not said"),

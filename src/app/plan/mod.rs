@@ -1,7 +1,7 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin, plane) | `plain` (numbers shown by their rows alone) | `position`
+//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin, plane, fluid) | `plain` (numbers shown by their rows alone) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`) | `when` (the skin at rest, and the time after the operation).
 
@@ -34,7 +34,7 @@ pub(super) use form::{fields, set};
 pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
-pub(super) use pocket::pocket;
+pub(super) use pocket::{fluid_in_words, pocket};
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
 pub(super) use shape::{is_anatomical, shape_in_words, usual_apex};
@@ -97,6 +97,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
         pocket::plane_in_words(scene).map(|words| (tr("Plane of the pocket"), words.to_owned())),
+        pocket::is_limited(scene).then(|| (tr("Fluid in the pocket"), fluid_in_words(scene))),
         Some((
             tr("Position"),
             tr!("{side} to the side, {up} up", side = centimetres(x), up = centimetres(y)),

@@ -1,7 +1,8 @@
-//! The pocket: its margin around the implant, and its plane.
+//! The pocket: its margin around the implant, its plane, and the fluid beside the implant.
 
+use super::device::Device;
 use super::{Hand, chip, chips, cm, mm, row, title};
-use crate::app::texts::tr;
+use crate::app::texts::{fixed, tr};
 use crate::app::widgets::{Control, group, quantity};
 use crate::scene::{Field, Plane, Scene, limits};
 use eframe::egui::{RichText, Ui};
@@ -62,6 +63,78 @@ pub(crate) fn plane(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
                 }
             }
         });
+    });
+}
+
+/// The fluid beside the implant: the word of a choice, its name on a chip and what it means.
+pub(super) const FLUIDS: [(&str, &str, &str); 2] = [
+    (
+        "free",
+        "Not limited",
+        "The tissue bridges the ring between the implant's rim and the pocket's edge; the void stands in the details.",
+    ),
+    (
+        "limited",
+        "Limited",
+        "The ring holds so much fluid at most: a few ml on the table, later none. The tissue is drawn into it, which raises force and \
+         pressure; the computation takes several times as long.",
+    ),
+];
+
+/// Greatest void of a plan that limits it \[ml\]: what fluid is left after days.
+const FLUID_ML: f64 = 10.0;
+
+/// Is the void of the pocket limited?
+pub(super) fn is_limited(scene: &Scene) -> bool {
+    scene.body.pocket_void_ml.is_some()
+}
+
+/// The word of the present choice.
+pub(super) fn fluid_choice(scene: &Scene) -> &'static str {
+    FLUIDS[usize::from(is_limited(scene))].0
+}
+
+/// Limits the void of the pocket or frees it; a limit stays.
+pub(super) fn limit_fluid(scene: &mut Scene, is_limited: bool) {
+    let present = scene.body.pocket_void_ml;
+    scene.body.pocket_void_ml = is_limited.then(|| present.unwrap_or(FLUID_ML));
+}
+
+/// The fluid beside the implant in words.
+pub(crate) fn fluid_in_words(scene: &Scene) -> String {
+    match scene.body.pocket_void_ml {
+        Some(volume) => tr!("{volume} ml at most", volume = fixed(volume, 0)),
+        None => tr("not limited").to_owned(),
+    }
+}
+
+/// The control of the greatest void and the void \[ml\]; `None` of a plan that does not limit it.
+pub(super) fn fluid_control(scene: &Scene) -> Option<(Control<'static>, f64)> {
+    let control = Control { reset: FLUID_ML, ..Control::of(Field::PocketVoid) };
+    // A pocket of this model has some 20 to 80 ml beside the implant.
+    Some((control.with_rail(0.0..=50.0), scene.body.pocket_void_ml?))
+}
+
+/// Shows whether the void of the pocket is limited, and by how much; nothing for a sheet.
+pub(crate) fn fluid(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
+    if !scene.is_layered() {
+        return;
+    }
+    let device = Device::of(ui.ctx());
+    group(ui, tr("Fluid in the pocket"), |ui| {
+        chips(ui, |ui| {
+            for (k, (_, name, about)) in FLUIDS.into_iter().enumerate() {
+                let about = device.words(tr(about));
+                if chip(ui, hand, is_limited(scene) == (k == 1), tr(name), &about) {
+                    limit_fluid(scene, k == 1);
+                }
+            }
+        });
+        if let Some((control, mut volume)) = fluid_control(scene)
+            && row(ui, hand, control, &mut volume, (0.0, |_: &mut Ui| {})).is_changed
+        {
+            Field::PocketVoid.set(scene, 0, volume);
+        }
     });
 }
 

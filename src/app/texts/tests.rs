@@ -209,6 +209,12 @@ fn a_finished_sentence_is_recognised_with_its_values() {
             "The stress–strain curve of skin was extrapolated: the strains exceed its data.",
             "La curva tensión–deformación de piel se ha extrapolado: las deformaciones superan sus datos.",
         ),
+        (
+            "The void of the pocket stays at 3.1 ml: under a suction of 20.0 kPa, and on this grid, the tissue does not reach \
+             further into the corner at the implant's rim.",
+            "El hueco del bolsillo se queda en 3.1 ml: con una succión de 20.0 kPa, y en esta malla, el tejido no entra más en \
+             el rincón del borde del implante.",
+        ),
         ("Nobody's words", "Nobody's words"),
     ] {
         assert_eq!(sentence(english), spanish);
