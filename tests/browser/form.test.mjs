@@ -78,6 +78,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "Skin feels",
       "Chest",
       "Margin (cm)",
+      "New fold lower (cm)",
       "To the side (cm)",
       "Up (cm)",
       "In place (%)",

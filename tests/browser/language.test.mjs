@@ -29,6 +29,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Tipo de piel",
       "Tórax",
       "Margen (cm)",
+      "Surco más bajo (cm)",
       "Hacia el lado (cm)",
       "Hacia arriba (cm)",
       "Insertado (%)",

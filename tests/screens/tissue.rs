@@ -194,6 +194,25 @@ fn fluid_beside_the_implant_is_limited_by_a_chip_and_a_number_and_freed_again() 
 }
 
 #[test]
+fn a_new_fold_is_a_number_of_the_plan_that_eases_the_tissue() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
+    press(&mut harness, "Pin as A");
+    let force = |harness: &Harness<'static, App>| {
+        harness.state().outcome().unwrap().contact_force_n.unwrap()
+    };
+    let before = force(&harness);
+    type_into(&mut harness, "New fold lower (cm)", "1.4");
+    assert_eq!(harness.state().session().scene().body.pocket_lowered_mm, 14.0);
+    assert!(force(&harness) < 0.95 * before, "{} {before}", force(&harness));
+    assert!(text_with(&harness, "New fold lower, cm: this plan 1.4; A 0.0").is_some());
+    type_into(&mut harness, "New fold lower (cm)", "5");
+    assert!(text_with(&harness, "Not accepted: at most 4 cm").is_some());
+    press(&mut harness, "Undo");
+    assert!((force(&harness) - before).abs() < 1e-9);
+}
+
+#[test]
 fn below_the_muscle_the_card_of_the_cover_has_it_with_and_without_the_muscle() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");

@@ -33,6 +33,9 @@ pub struct Body {
     /// The plane of the pocket; `None`: above the muscle, or below an innermost layer that is as the others.
     #[serde(rename = "pocket_plane", skip_serializing_if = "Option::is_none")]
     pub plane: Option<Plane>,
+    /// How much lower than the circle the pocket's lower edge is, the new fold below the old one \[mm\].
+    #[serde(skip_serializing_if = "is_default")]
+    pub pocket_lowered_mm: f64,
     /// Greatest void between tissue, implant and wall within the pocket \[ml\]; `None`: as large as it gets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pocket_void_ml: Option<f64>,
@@ -140,16 +143,17 @@ impl Body {
             attachment: AttachmentSettings::default(),
             skin_state: SkinState::default(),
             plane: None,
+            pocket_lowered_mm: 0.0,
             pocket_void_ml: None,
             posture: Posture::None,
         }
     }
 
-    /// Range of the patch's radius around a pocket \[mm\].
+    /// Range of the patch's radius around a pocket that reaches so far from its centre \[mm\].
     #[must_use]
-    pub fn patch_range(pocket_radius_mm: f64) -> (f64, f64) {
+    pub fn patch_range(pocket_reach_mm: f64) -> (f64, f64) {
         let most = limits::PATCH_RADIUS_MAX_MM;
-        ((pocket_radius_mm + LEAST_MARGIN_MM).min(most), most)
+        ((pocket_reach_mm + LEAST_MARGIN_MM).min(most), most)
     }
 
     /// The patch of layered tissue.
@@ -158,6 +162,7 @@ impl Body {
         Patch {
             radius_mm: self.patch_radius_mm,
             pocket_radius_mm,
+            pocket_lowered_mm: self.pocket_lowered_mm,
             edge: Edge::Attached(Attachment { stiffness_kpa_per_mm, ramp_mm }),
         }
     }
@@ -168,6 +173,12 @@ impl Scene {
     #[must_use]
     pub fn is_layered(&self) -> bool {
         self.body.tissue_model == TissueModel::Layered
+    }
+
+    /// Greatest distance of the pocket's edge from its centre \[mm\]; a sheet's pocket is round.
+    #[must_use]
+    pub fn pocket_reach_mm(&self) -> f64 {
+        self.pocket_radius_mm + self.body.pocket_lowered_mm
     }
 
     /// Strain at which the curve of the skin turns steep \[-\], the skin's reserve ([`Curve::knee`]); `None` for a sheet, or a
@@ -187,6 +198,7 @@ impl Scene {
             self.set_chest(None);
             self.thickness_field = None;
             self.body.plane = None;
+            self.body.pocket_lowered_mm = 0.0;
             self.body.pocket_void_ml = None;
             self.body.skin_state = SkinState::default();
         }
@@ -215,9 +227,14 @@ impl Scene {
         self.check_skin_state()?;
         self.check_plane()?;
         if !self.is_layered() {
-            let name = Field::PocketVoid.path;
-            let refused = || out_of_range(name, "given".to_owned(), "in layered tissue only");
-            return self.body.pocket_void_ml.map_or(Ok(()), |_| Err(refused()));
+            let refused = |field: Field| {
+                Err(out_of_range(field.path, "given".to_owned(), "in layered tissue only"))
+            };
+            return match self.body {
+                Body { pocket_void_ml: Some(_), .. } => refused(Field::PocketVoid),
+                body if body.pocket_lowered_mm > 0.0 => refused(Field::PocketLowered),
+                _ => Ok(()),
+            };
         }
         let (least, most) = limits::CELLS_THROUGH;
         if let Some(CellsThrough::Count(count)) = self.solver.cells_through

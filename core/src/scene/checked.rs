@@ -142,7 +142,8 @@ impl CheckedScene {
                 let solids_mm: Vec<f64> = solids.map(|solid| solid.thickness_mm).collect();
                 let cells = solver.cells_through.unwrap_or_default();
                 let factors = self.thickness.as_ref().map_or([1.0; 2], |field| {
-                    let within = |place: &&DVec2| place.length() <= *pocket_radius_mm;
+                    let pocket = patch.pocket();
+                    let within = |at: &&DVec2| pocket.beyond(at.length(), at.y) <= 0.0;
                     let in_pocket = sheet.rest().iter().filter(within);
                     let least = in_pocket.map(|place| field.factor(*place));
                     [least.fold(f64::INFINITY, f64::min), field.greatest()]

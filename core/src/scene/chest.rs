@@ -88,7 +88,18 @@ impl Scene {
         let is_turned = self.chest.is_none() || self.is_sphere();
         let is_skin_turned = self.body.skin_state.is_turned();
         let is_whole = self.body.plane.is_none_or(|plane| plane == Plane::Below);
-        is_centred && is_whole && is_even && self.implant.is_round() && is_turned && is_skin_turned
+        is_centred
+            && is_whole
+            && !self.is_lowered()
+            && is_even
+            && self.implant.is_round()
+            && is_turned
+            && is_skin_turned
+    }
+
+    /// Is the pocket's lower edge lowered?
+    fn is_lowered(&self) -> bool {
+        self.body.pocket_lowered_mm > 0.0
     }
 
     /// Is the chest a sphere?

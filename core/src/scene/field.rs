@@ -200,6 +200,8 @@ fields! {
         "", PLAIN, "";
     Grown: "skin_state.grown", Body[skin_state.grown], "growth of the skin", "", (0.0, 1.0), Tables;
         "", PLAIN, "";
+    PocketLowered: "pocket_lowered_mm", Body[pocket_lowered_mm], "new fold below the old one", "mm", (0.0, 40.0), Grid;
+        "New fold lower", CM, "How far the new fold is below the old one: the pocket's lower edge moves down by so much, its width stays. Six months after an augmentation folds are about 1.4 cm lower by themselves (14 women, Eder et al. 2011).";
     PocketVoid: "pocket_void_ml", Body[pocket_void_ml?], "greatest void of the pocket", "ml", (0.0, 200.0), Dome;
         "Fluid", FLUID, "How much fluid the ring between the implant's rim and the pocket's edge holds at most: a few ml on the table, later none. The tissue is then drawn into it.";
     ChestAcross: "chest.radius_across_mm", Chest[0], "radius of the chest across", "mm", CHEST_RADIUS_MM, Grid;
@@ -334,7 +336,7 @@ impl Field {
     pub fn range(self, scene: &Scene) -> (f64, f64) {
         match self.row().part {
             Part::Body if !scene.is_layered() => (0.0, f64::MAX),
-            Part::Body if self == Self::PatchRadius => Body::patch_range(scene.pocket_radius_mm),
+            Part::Body if self == Self::PatchRadius => Body::patch_range(scene.pocket_reach_mm()),
             _ if self == Self::BaseHeight => {
                 let (width, (least, most)) =
                     (2.0 * scene.implant.base_radius_mm, self.row().limits);
@@ -412,6 +414,7 @@ mod tests {
             relaxed: 0.6,
             grown: 0.3,
         };
+        scene.body.pocket_lowered_mm = 14.0;
         scene.body.pocket_void_ml = Some(12.0);
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);

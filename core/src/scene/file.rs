@@ -167,6 +167,10 @@ pub(super) struct SceneFile {
     /// The muscle that a `pocket_plane` adds. A written scene has it as its innermost layer.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) muscle: Option<Muscle>,
+    /// Of layered tissue: how much lower than the circle the pocket's lower edge is, the new fold below the old one \[mm\], 0 to 40. Default: 0.
+    #[serde(default, deserialize_with = "given")]
+    #[schemars(with = "f64")]
+    pub(super) pocket_lowered_mm: Option<f64>,
     /// Of layered tissue: greatest void between tissue, implant and wall within the pocket \[ml\], 0 to 200. Default: as large as it gets.
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
@@ -340,6 +344,10 @@ impl SceneFile {
             attachment: file.attachment.unwrap_or_default(),
             skin_state: skin_state(file.skin_state.unwrap_or_default(), file.when)?,
             plane: file.pocket_plane.into(),
+            pocket_lowered_mm: file
+                .pocket_lowered_mm
+                .or(beside.map(|it| it.body.pocket_lowered_mm))
+                .unwrap_or_default(),
             pocket_void_ml: file.pocket_void_ml,
             posture: file.posture,
             ..default

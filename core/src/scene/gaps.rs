@@ -32,7 +32,7 @@ fn scenes() -> Vec<Value> {
         "pocket_radius_mm": 70, "tissue_model": "layered", "patch_radius_mm": 130,
         "attachment": { "stiffness_kpa_per_mm": 2, "ramp_mm": 10 },
         "skin_state": { "natural_tension_n_per_m": 2, "anisotropy": 1.5, "direction_deg": 30, "relaxed": 0.6, "grown": 0.3 },
-        "pocket_void_ml": 5, "posture": "standing", "chest": { "radius_across_mm": 140, "radius_along_mm": 400 },
+        "pocket_lowered_mm": 14, "pocket_void_ml": 5, "posture": "standing", "chest": { "radius_across_mm": 140, "radius_along_mm": 400 },
         "insertion": 1, "layers": layers, "thickness_field": grid("factors", 1.0),
         "patient": { "base_width_mm": 120, "pinch_mm": 30, "skin_pull_mm": 20, "derived": [] },
         "pocket_plane": "dual_2", "side": "left", "visit": { "reference": "a", "date": "2024-02-29", "surgeon": "b", "remarks": "c",

@@ -1,10 +1,10 @@
 //! Plans of their own for both sides: the plan of the other side beside a scene.
 //!
-//! Implant with its reference, pocket, pinch, base of the breast and thickness belong to a side, and with a scan its wall, thickness from place to place and
+//! Implant with its reference, pocket with its new fold, pinch, base of the breast and thickness belong to a side, and with a scan its wall, thickness from place to place and
 //! frame. All else belongs to the patient and is equal on both sides.
 
 use super::{
-    Body, CheckedScene, Placement, Scene, SceneError, SceneFile, Side, out_of_range, problem,
+    Body, CheckedScene, Field, Placement, Scene, SceneError, SceneFile, Side, out_of_range, problem,
 };
 use crate::body::fit::{Settings, fit};
 use crate::body::frame::Frame;
@@ -98,7 +98,11 @@ impl Scene {
             implant: own.implant,
             implant_reference: own.implant_reference,
             pocket_radius_mm: own.pocket_radius_mm,
-            body: Body { patch_radius_mm: own.body.patch_radius_mm, ..self.body },
+            body: Body {
+                patch_radius_mm: own.body.patch_radius_mm,
+                pocket_lowered_mm: own.body.pocket_lowered_mm,
+                ..self.body
+            },
             chest_grid: as_here(own.chest_grid, &self.chest_grid),
             thickness_field: as_here(own.thickness_field, &self.thickness_field),
             layers,
@@ -172,6 +176,11 @@ impl Scene {
         let own = members(Self { other_side: None, ..self.without_surface() });
         let mut written = members(Self { side: self.side, ..other.clone() });
         written.retain(|name, value| name == IMPLANT || own.get(name) != Some(value));
+        // Not written where it is zero, which the other side may have alone.
+        let lowered = Field::PocketLowered.path;
+        if own.contains_key(lowered) && other.body.pocket_lowered_mm <= 0.0 {
+            written.insert(lowered.to_owned(), 0.0.into());
+        }
         Some(written)
     }
 

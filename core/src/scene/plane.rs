@@ -108,11 +108,11 @@ impl Plane {
         }
     }
 
-    /// The muscle's edge in a pocket of a radius \[mm\], under a layer of a modulus by its own.
-    fn taper(self, pocket_radius_mm: f64, modulus_above: f64) -> Taper {
+    /// The muscle's edge in a pocket that reaches so far down \[mm\], under a layer of a modulus by its own.
+    fn taper(self, pocket_reach_mm: f64, modulus_above: f64) -> Taper {
         let at = |at_mm: f64| Taper { at_mm, width_mm: STEP_MM, modulus_above };
         match self {
-            Self::DualPlaneI => at(-pocket_radius_mm),
+            Self::DualPlaneI => at(-pocket_reach_mm),
             Self::DualPlaneIi => at(-AREOLA_MM),
             Self::DualPlaneIii => at(AREOLA_MM),
             Self::Below => Taper::WHOLE,
@@ -190,7 +190,7 @@ impl Scene {
     pub(super) fn muscle_taper(&self, materials: &[Material]) -> Option<Taper> {
         let [.., above, muscle] = materials else { return None };
         let modulus = |of: &Material| of.curve.small_strain_modulus();
-        Some(self.body.plane?.taper(self.pocket_radius_mm, modulus(above) / modulus(muscle)))
+        Some(self.body.plane?.taper(self.pocket_reach_mm(), modulus(above) / modulus(muscle)))
     }
 
     /// Checks that the scene may have a plane.

@@ -71,7 +71,7 @@ impl Scene {
 
     /// Enlarges the patch to the least around the pocket.
     pub(crate) fn widen_patch(&mut self) {
-        let (least, _) = Body::patch_range(self.pocket_radius_mm);
+        let (least, _) = Body::patch_range(self.pocket_reach_mm());
         self.body.patch_radius_mm = self.body.patch_radius_mm.max(least);
     }
 

@@ -134,7 +134,7 @@ pub(super) fn extreme_layers(rng: &mut Rng) -> Vec<Layer> {
 
 /// Replaces patch, attachment and cells by any within their limits.
 pub(super) fn body(rng: &mut Rng, scene: &mut Scene) {
-    let range = Body::patch_range(scene.pocket_radius_mm);
+    let range = Body::patch_range(scene.pocket_reach_mm());
     let patch_radius_mm = match rng.u8(0..4) {
         0 => range.0,
         1 => range.1,

@@ -6,7 +6,7 @@ use super::check::Check;
 use crate::measurements::slab::{Slab, closed_equibiaxial};
 use glam::{DMat3, DVec3};
 use implant_preview_core::curve::{Curve, CurveError, CurveSpec, Fat};
-use implant_preview_core::mesh::{Attachment, NodeKind, Rest, Sheet};
+use implant_preview_core::mesh::{Attachment, NodeKind, Pocket, Rest, Sheet};
 use implant_preview_core::model::layered::LayeredLaw;
 use implant_preview_core::model::layered::exact::Exact;
 use implant_preview_core::model::membrane::assembly;
@@ -36,7 +36,7 @@ pub(super) fn checks() -> Result<Vec<Check>, CurveError> {
     let materials = materials()?;
     let law = LayeredLaw::new(&materials);
     let rest = Rest::layered(Sheet::new(NODES, RADIUS_MM), &[materials[1].thickness_mm], 2);
-    let exact = Exact::new(&rest, &law, POCKET_MM, None);
+    let exact = Exact::new(&rest, &law, Pocket::round(POCKET_MM), None);
     let mut checks = patch_test(&exact, &materials[1]);
     checks.push(rotation(&exact, &materials[1]));
     checks.push(gradient(&exact));
@@ -125,7 +125,7 @@ fn rotation(exact: &Exact, solid: &Material) -> Check {
 /// Slope of the energy against the forces, in four directions, attachment and wrinkled skin included.
 fn gradient(exact: &Exact) -> Check {
     let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
-    let exact = Exact::new(exact.rest, exact.law, exact.pocket_radius, attachment);
+    let exact = Exact::new(exact.rest, exact.law, exact.pocket, attachment);
     let wave = |p: DVec3| {
         let [a, b] = [0.11 * p.x, 0.09 * p.y];
         p + DVec3::new(

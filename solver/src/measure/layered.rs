@@ -2,7 +2,7 @@
 
 use super::profile::{self, Direction, Layer};
 use super::{Outcome, Selection};
-use crate::mesh::{NodeKind, Sheet, enclosed};
+use crate::mesh::{NodeKind, Pocket, Sheet, enclosed};
 use crate::model::layered::exact::CellState;
 use crate::solve::{Problem, Solution};
 use glam::{DMat3, DVec3};
@@ -65,15 +65,16 @@ pub struct Thickness {
 }
 
 /// Weight of a node in sums over the pocket.
-pub(super) fn pocket_weight(sheet: &Sheet, pocket_radius: f64, node: usize) -> f64 {
-    enclosed::pocket_weight(sheet.rest()[node].length(), pocket_radius, sheet.spacing_mm())
+pub(super) fn pocket_weight(sheet: &Sheet, pocket: Pocket, node: usize) -> f64 {
+    let place = sheet.rest()[node];
+    enclosed::pocket_weight(pocket.beyond(place.length(), place.y), sheet.spacing_mm())
 }
 
 /// Area of the skin at rest over the pocket and of the whole patch \[mm²\]; of a sheet that of the sheet.
 pub(super) fn rest_areas(problem: &Problem) -> [f64; 2] {
     let Problem { rest, patch, .. } = problem;
     let radius = patch.radius_mm;
-    let flat = [PI * patch.pocket_radius_mm.powi(2), PI * radius * radius];
+    let flat = [patch.pocket().area_mm2(), PI * radius * radius];
     if rest.is_even() {
         return flat;
     }
@@ -83,7 +84,7 @@ pub(super) fn rest_areas(problem: &Problem) -> [f64; 2] {
     for (nodes, weight) in sheet.triangles() {
         let [a, b, c] = nodes.map(|k| rest.node(skin, k));
         let areas = [0.5 * (b - a).cross(c - a).length(), sheet.rest_area(nodes)];
-        let in_pocket = nodes.map(|k| pocket_weight(sheet, patch.pocket_radius_mm, k));
+        let in_pocket = nodes.map(|k| pocket_weight(sheet, patch.pocket(), k));
         for (part, factor) in [in_pocket.iter().sum::<f64>() / 3.0, 1.0].into_iter().enumerate() {
             curved[part] += weight * factor * areas[0];
             plane[part] += weight * factor * areas[1];
@@ -249,9 +250,9 @@ pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
     let problem = solution.problem();
     let (rest, patch) = (&problem.rest, &problem.patch);
     patch.attachment().map_or(0.0, |attachment| {
-        let radius = rest.sheet().rest()[node].length();
+        let place = rest.sheet().rest()[node];
         let moved = solution.inner()[node].distance(rest.node(0, node));
-        attachment.stiffness(patch.pocket_radius_mm, radius) * moved
+        attachment.stiffness(patch.pocket().beyond(place.length(), place.y)) * moved
     })
 }
 

@@ -78,10 +78,9 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         outcome.warnings.push(no_shape(report.invalid).to_owned());
         return outcome;
     }
-    let pocket_radius = problem.patch.pocket_radius_mm;
     let weight = |k: usize| match problem.tissue {
         Tissue::Sheet => 1.0,
-        Tissue::Layered => layered::pocket_weight(problem.sheet(), pocket_radius, k),
+        Tissue::Layered => layered::pocket_weight(problem.sheet(), problem.patch.pocket(), k),
     };
     outcome.measure_contact(fields, selection);
     outcome.measure_void(solution, selection);

@@ -35,7 +35,7 @@ impl Direction {
 /// A profile with its surface and its direction.
 #[derive(Clone, Debug)]
 pub struct Meridian {
-    /// `inner_face` (to the pocket's radius) or `skin_membrane` (to the patch's radius).
+    /// `inner_face` (to the pocket's edge) or `skin_membrane` (to the patch's radius).
     pub surface: &'static str,
     /// Direction from the pocket's centre.
     pub direction: Direction,
@@ -50,7 +50,9 @@ pub fn meridians(solution: &Solution) -> Vec<Meridian> {
     let dome = &problem.obstacle.dome;
     let is_turned =
         problem.rest.is_even() && problem.rest.natural().is_none_or(NaturalStretch::is_even);
-    let is_round = is_turned && dome.is_round() && dome.center == DVec2::ZERO;
+    let pocket = problem.patch.pocket();
+    let is_centred = dome.center == DVec2::ZERO && !pocket.is_lowered();
+    let is_round = is_turned && dome.is_round() && is_centred;
     let all = [Direction::Side, Direction::Midline, Direction::Head, Direction::Feet];
     let directions = if is_round { &all[..1] } else { &all };
     let inner = directions.iter().map(|&direction| Meridian {
@@ -58,7 +60,8 @@ pub fn meridians(solution: &Solution) -> Vec<Meridian> {
         direction,
         points: match direction {
             Direction::Side => along_x(solution),
-            _ => along(Layer::inner(solution), direction, problem.patch.pocket_radius_mm),
+            Direction::Feet => along(Layer::inner(solution), direction, pocket.reach_mm()),
+            _ => along(Layer::inner(solution), direction, pocket.radius_mm),
         },
     });
     let is_layered = problem.tissue == Tissue::Layered;

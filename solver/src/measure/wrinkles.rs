@@ -82,9 +82,7 @@ impl Shares {
             let area = deformation.rest_area(k) * part.multiplicity(k);
             let over = match problem.tissue {
                 Tissue::Sheet => area,
-                Tissue::Layered => {
-                    area * pocket_weight(problem.sheet(), problem.patch.pocket_radius_mm, k)
-                }
+                Tissue::Layered => area * pocket_weight(problem.sheet(), problem.patch.pocket(), k),
             };
             patch += area;
             pocket += over;

@@ -5,9 +5,10 @@
 
 use crate::number::Real;
 
-/// Weight of a node in sums over the pocket: the part of the node's surroundings inside of the pocket, to second order. Lengths in one unit.
-pub(crate) fn pocket_weight(distance: f64, pocket_radius: f64, spacing: f64) -> f64 {
-    ((pocket_radius - distance) / spacing + 0.5).clamp(0.0, 1.0)
+/// Weight of a node in sums over the pocket: the part of the node's surroundings inside of the pocket, to second order. The node's distance beyond the pocket's
+/// edge and the spacing are in one unit.
+pub(crate) fn pocket_weight(beyond: f64, spacing: f64) -> f64 {
+    (0.5 - beyond / spacing).clamp(0.0, 1.0)
 }
 
 /// Area of a node over the plane, `place` giving the places of the nodes of rows of `pitch` nodes.

@@ -71,7 +71,7 @@ macro_rules! delegate {
 
 fn layered(problem: &Problem, law: &LayeredLaw) -> Layered {
     let Problem { rest, patch, obstacle, .. } = problem;
-    let tissue = Layered::new(law, rest, patch.pocket_radius_mm, patch.attachment());
+    let tissue = Layered::new(law, rest, patch.pocket(), patch.attachment());
     let (kpa, wall) = (problem.suction_kpa(), obstacle.wall.0.clone());
     tissue.under(OnFinest { kpa, wall, nodes_per_side: problem.sheet().nodes_per_side() })
 }

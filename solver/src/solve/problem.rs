@@ -43,11 +43,12 @@ impl Problem {
         self.rest.sheet()
     }
 
-    /// Is the problem its own image mirrored along x, along y? Tissue at rest, implant and wall are.
+    /// Is the problem its own image mirrored along x, along y? Tissue at rest, implant, wall and pocket are.
     #[must_use]
     pub fn mirrored(&self) -> [bool; 2] {
         let (rest, obstacle) = (self.rest.mirrored(), self.obstacle.mirrored());
-        [0, 1].map(|axis| rest[axis] && obstacle[axis])
+        let pocket = [true, !self.patch.pocket().is_lowered()];
+        [0, 1].map(|axis| rest[axis] && obstacle[axis] && pocket[axis])
     }
 
     /// The suction of the void on the inner face \[kPa\].
@@ -63,8 +64,8 @@ impl Problem {
 
     /// [`Self::suction`] on the nodes of a grid.
     pub(super) fn suction_on(&self, sheet: &Sheet) -> Option<Suction> {
-        let (kpa, radius) = (self.suction_kpa(), self.patch.pocket_radius_mm);
-        (kpa > 0.0).then(|| Suction::new(kpa, &self.obstacle.wall.0, sheet, radius))
+        let (kpa, pocket) = (self.suction_kpa(), self.patch.pocket());
+        (kpa > 0.0).then(|| Suction::new(kpa, &self.obstacle.wall.0, sheet, pocket))
     }
 
     /// Does the membrane wrinkle instead of being compressed? Of coupled springs; the paper's push.

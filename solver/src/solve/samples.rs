@@ -33,8 +33,12 @@ pub(crate) fn sheet(nodes_per_side: usize, center_mm: [f64; 2], insertion: f64) 
 /// Layered tissue at rest over a pocket of 60 mm, to an error of 1e-3.
 pub(crate) fn layered_at_rest(nodes_per_side: usize) -> Problem {
     let attachment = Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 };
-    let patch =
-        Patch { radius_mm: 120.0, pocket_radius_mm: 60.0, edge: Edge::Attached(attachment) };
+    let patch = Patch {
+        radius_mm: 120.0,
+        pocket_radius_mm: 60.0,
+        pocket_lowered_mm: 0.0,
+        edge: Edge::Attached(attachment),
+    };
     let fat = layer(&CurveSpec::Fat { variant: Fat::Mid }, 0.49);
     Problem {
         rest: Rest::layered(Sheet::new(nodes_per_side, patch.radius_mm), &[10.0], 2),

@@ -387,14 +387,14 @@ impl Solution {
 
     fn exact<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
         let Problem { rest, patch, .. } = &*self.problem;
-        Exact::new(rest, law, patch.pocket_radius_mm, patch.attachment())
+        Exact::new(rest, law, patch.pocket(), patch.attachment())
     }
 
     /// [`Self::exact`] without the skin's dead load, which cells do not have.
     fn cells_alone<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
         let Problem { rest, patch, .. } = &*self.problem;
-        let (pocket_radius, attachment) = (patch.pocket_radius_mm, patch.attachment());
-        Exact { rest, law, pocket_radius, attachment, at_rest: Cow::default() }
+        let (pocket, attachment) = (patch.pocket(), patch.attachment());
+        Exact { rest, law, pocket, attachment, at_rest: Cow::default() }
     }
 
     /// The body for forces on the inner face, which is the skin where there are no cells.

@@ -22,13 +22,13 @@ impl Problem {
 
     /// The void \[mm³\] under an inner face with the positions `x` \[mm\], shape (nodes_per_side², ), by its nodes of a part.
     pub(super) fn void_mm3(&self, x: &[DVec3], part: Part) -> f64 {
-        let (sheet, dome, radius) =
-            (self.sheet(), &self.obstacle.dome, self.patch.pocket_radius_mm);
+        let (sheet, dome, pocket) = (self.sheet(), &self.obstacle.dome, self.patch.pocket());
         let (n, spacing) = (sheet.nodes_per_side(), sheet.spacing_mm());
         let wall = self.obstacle.wall.0.heights::<f64>();
         let mut volume = -dome.volume_over_wall();
         for k in part.nodes().filter(|&k| sheet.kinds()[k] == NodeKind::Free) {
-            let weight = pocket_weight(sheet.rest()[k].length(), radius, spacing);
+            let at_rest = sheet.rest()[k];
+            let weight = pocket_weight(pocket.beyond(at_rest.length(), at_rest.y), spacing);
             let place = x[k].truncate();
             let mut height = 0.0;
             if weight > 0.0 {

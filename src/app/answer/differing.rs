@@ -35,7 +35,7 @@ use Value::{Number, Shape, Words};
 
 const BREAST: &str = "Breast";
 
-const GIVEN: [Given; 11] = [
+const GIVEN: [Given; 12] = [
     Given { name: BREAST, unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
@@ -56,6 +56,12 @@ const GIVEN: [Given; 11] = [
     },
     Given { name: "Chest", unit: "", value: Words(chest_in_words), is_in_captions: true },
     Given { name: "Margin of the pocket", unit: "cm", value: Words(margin), is_in_captions: true },
+    Given {
+        name: "New fold lower",
+        unit: "cm",
+        value: Number(Field::PocketLowered),
+        is_in_captions: true,
+    },
     Given {
         name: "Fluid in the pocket",
         unit: "",

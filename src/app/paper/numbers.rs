@@ -69,6 +69,7 @@ fn rows(layers: usize) -> Vec<Row> {
         Row::of_plan("To the side", Field::CenterX),
         Row::of_plan("Up", Field::CenterY),
         Row::of_plan("In place", Field::Insertion),
+        Row::of_plan("New fold lower", Field::PocketLowered),
         Row::of_plan("Fluid in the pocket, at most", Field::PocketVoid),
         Row::of_plan("Pinch", Field::Pinch),
         Row::of_plan("Radius of the chest across", Field::ChestAcross),

@@ -253,9 +253,10 @@ fn paint_wall(ui: &Ui, painter: &Painter, place: &Place, subject: &impl Subject)
     };
     let wall = Stroke::new(1.0, palette.edge);
     painter.add(Shape::line(place.line(&plots::wall_line(problem, place.plane)), wall));
-    let pocket = problem.patch.pocket_radius_mm as f32;
     let line = Stroke::new(2.0, palette.text);
-    for x in [-pocket, pocket] {
+    for way in [-1.0, 1.0] {
+        let unit = place.plane.place(way).to_array();
+        let x = (way * problem.patch.pocket().edge(unit)) as f32;
         painter.line_segment([at(x) - vec2(0.0, 5.0), at(x) + vec2(0.0, 3.0)], line);
     }
     let below = |x: f32, align: Align2, words: &str, color: Color32| {

@@ -266,10 +266,9 @@ fn tissue_model(ui: &mut Ui, scene: &mut Scene) {
 
 /// Patch and attachment of layered tissue.
 fn attachment(ui: &mut Ui, scene: &mut Scene) {
-    let pocket = scene.pocket_radius_mm;
+    let usual = Body::around(scene.pocket_radius_mm, TissueModel::Layered);
+    let (least, most) = Body::patch_range(scene.pocket_reach_mm());
     let body = &mut scene.body;
-    let usual = Body::around(pocket, TissueModel::Layered);
-    let (least, most) = Body::patch_range(pocket);
     Control {
         range: least..=most,
         limit_reason: tr!("{least:.0} to {most:.0} mm around this pocket", least, most),

@@ -40,12 +40,13 @@ const OF_SIZE: [(&str, Number); 4] = [
     ("projection_cm", Number::Size(Dimension::Projection)),
 ];
 /// The numbers after the plain ones; skin and choice of the chest follow the pinch, the choice of the fluid is before its volume.
-const OTHERS: [(&str, Number); 9] = [
+const OTHERS: [(&str, Number); 10] = [
     ("apex_lower_cm", Number::Apex),
     (PINCH, Number::Pinch),
     ("chest_across_cm", Number::Chest(0)),
     ("chest_along_cm", Number::Chest(1)),
     ("margin_cm", Number::Margin),
+    ("fold_lower_cm", Number::Plain(Row::PocketLowered)),
     ("side_cm", Number::Offset(0)),
     ("up_cm", Number::Offset(1)),
     ("in_place_percent", Number::InPlace),
@@ -387,6 +388,8 @@ mod tests {
         assert_eq!((shaped.implant.apex_shift_mm, shaped.pocket_radius_mm), (20.0, 77.5));
         assert_eq!(after(&[("fill", "soft")]).implant.fill, Some(Fill::Soft));
         assert_eq!(after(&[("fill", "rigid")]).implant.fill, None);
+        let lowered = after(&[("fold_lower_cm", "1,4")]);
+        assert_eq!(lowered.body.pocket_lowered_mm, 14.0);
         let limited = after(&[("fluid", "limited"), ("fluid_ml", "4")]);
         assert_eq!(limited.body.pocket_void_ml, Some(4.0));
         let free = after(&[("fluid", "limited"), ("fluid", "free")]);
@@ -405,7 +408,7 @@ mod tests {
         let plain = Row::PLAIN.map(name_of).join(", ");
         let no_field = format!(
             "the plan has no field of this name; allowed: shape, fill, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
-             chest, chest_across_cm, margin_cm, side_cm, up_cm, in_place_percent, fluid, reference, side, date, surgeon, remarks"
+             chest, chest_across_cm, margin_cm, fold_lower_cm, side_cm, up_cm, in_place_percent, fluid, reference, side, date, surgeon, remarks"
         );
         for (name, text, words) in [
             ("width_cm", "wide", "Width: “wide” is not a number"),

@@ -51,7 +51,7 @@ use crate::app::widgets::theme;
 use crate::app::widgets::{Control, ControlResponse};
 use crate::clinical::{Dimension, Size};
 use crate::curve::number;
-use crate::scene::{Layer, Scene};
+use crate::scene::{Field, Layer, Scene};
 use eframe::egui::{self, RichText, Ui};
 pub(super) use patient::new_base;
 use serde::{Deserialize, Serialize};
@@ -75,6 +75,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
     let layers: Vec<String> = scene.layers.iter().map(layer).collect();
     let margin = scene.pocket_radius_mm - implant.greatest_half_axis_mm();
     let volume = if device == Device::Expander { tr("Fill") } else { tr("Volume") };
+    let lowered = scene.body.pocket_lowered_mm;
     let size = [
         Some((tr("Width"), centimetres(width))),
         (!implant.is_round()).then(|| (tr("Shape"), shape_in_words(scene))),
@@ -96,6 +97,10 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         time,
         scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
+        length(
+            tr("New fold lower"),
+            Some(lowered).filter(|_| Field::PocketLowered.is_stated(scene)),
+        ),
         pocket::plane_in_words(scene).map(|words| (tr("Plane of the pocket"), words.to_owned())),
         pocket::is_limited(scene).then(|| (tr("Fluid in the pocket"), fluid_in_words(scene))),
         Some((

@@ -3,10 +3,11 @@
 use super::device::Device;
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::Control;
-use crate::scene::field::TORSO;
+use crate::app::widgets::quantity::significant;
+use crate::scene::field::{Part, TORSO};
 use crate::scene::{Field, Scene};
 
-/// The control of a number and its value; `None` for a number of an implant if the plan has an expander.
+/// The control of a number and its value; `None` for a number of an implant if the plan has an expander, and for one of a body of a sheet.
 pub(crate) fn control(
     scene: &Scene,
     number: Field,
@@ -15,13 +16,16 @@ pub(crate) fn control(
     if device == Device::Expander && number.path.starts_with("implant.") {
         return None;
     }
+    if number.part == Part::Body && !scene.is_layered() {
+        return None;
+    }
     let control = Control { reset: number.usual(), ..Control::of(number) };
     Some((control, number.shown(scene)?))
 }
 
 /// Sets a number, in the unit of its control; the usual value is not stated.
 pub(crate) fn set(scene: &mut Scene, number: Field, value: f64) {
-    number.set(scene, 0, value / number.scale.factor);
+    number.set(scene, 0, significant(value / number.scale.factor));
     scene.implant = scene.implant.in_few_words();
 }
 

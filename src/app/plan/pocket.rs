@@ -1,7 +1,7 @@
-//! The pocket: its margin around the implant, its plane, and the fluid beside the implant.
+//! The pocket: its margin around the implant, its plane, how much lower the new fold is, and the fluid beside the implant.
 
 use super::device::Device;
-use super::{Hand, chip, chips, cm, mm, row, title};
+use super::{Hand, chip, chips, cm, mm, plain, row, title};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::{Control, group, quantity};
 use crate::scene::{Field, Plane, Scene, limits};
@@ -50,7 +50,7 @@ pub(crate) fn pocket(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     }
 }
 
-/// Shows the plane of the pocket; nothing for a sheet.
+/// Shows the plane of the pocket, and how much lower the new fold is; nothing for a sheet.
 pub(crate) fn plane(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if !scene.is_layered() {
         return;
@@ -63,6 +63,12 @@ pub(crate) fn plane(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
                 }
             }
         });
+        let lowered = plain::control(scene, Field::PocketLowered, Device::of(ui.ctx()));
+        if let Some((control, mut lower)) = lowered
+            && row(ui, hand, control, &mut lower, (0.0, |_: &mut Ui| {})).is_changed
+        {
+            plain::set(scene, Field::PocketLowered, lower);
+        }
     });
 }
 

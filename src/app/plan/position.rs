@@ -12,11 +12,14 @@ use eframe::egui::{
     self, Align2, Color32, Key, Modifiers, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle,
     Ui, epaint::EllipseShape, pos2, vec2,
 };
+use std::f32::consts::TAU;
 
 /// Size of the pad \[points\].
 const PAD: egui::Vec2 = vec2(120.0, 104.0);
 /// Radius of the pocket in the pad \[points\].
 const POCKET: f32 = 36.0;
+/// Points of the line of the pocket's edge.
+const EDGE_POINTS: usize = 72;
 /// Step of an arrow key \[mm\].
 const STEP_MM: f64 = 1.0;
 
@@ -135,8 +138,16 @@ fn paint(ui: &Ui, rect: Rect, centre: Pos2, scene: &Scene) {
     for cross in [vec2(POCKET + 4.0, 0.0), vec2(0.0, POCKET + 4.0)] {
         painter.line_segment([centre - cross, centre + cross], Stroke::new(0.5, palette.edge));
     }
-    painter.circle_stroke(centre, POCKET, line);
     let points_per_mm = POCKET / scene.pocket_radius_mm as f32;
+    let lower = POCKET + scene.body.pocket_lowered_mm as f32 * points_per_mm;
+    let edge = (0..EDGE_POINTS).map(|k| {
+        let (sin, cos) = (TAU * k as f32 / EDGE_POINTS as f32).sin_cos();
+        centre + vec2(POCKET * cos, if sin > 0.0 { lower } else { POCKET } * sin)
+    });
+    // Beyond the pad the edge is cut.
+    painter
+        .with_clip_rect(rect.intersect(ui.clip_rect()))
+        .add(Shape::closed_line(edge.collect(), line));
     let [x, y] = scene.implant.center_mm.map(|v| v as f32 * points_per_mm);
     let hand = hand_of(scene) as f32;
     let at = centre + vec2(hand * x, -y);

@@ -1,10 +1,10 @@
 //! The elastic attachment of the inner face beyond the pocket: isotropic springs to the place at rest.
 //!
-//! The stiffness per area rises linearly from zero at the pocket's radius over the width of a ramp. The energy is
+//! The stiffness per area rises linearly from zero at the pocket's edge over the width of a ramp. The energy is
 //! ½∫k|u|² of the bilinear displacement of each cell: lumped to the nodes the attachment would be too stiff at the
 //! pocket's edge, where a lifted node feels its nearly unmoved neighbours.
 
-use crate::mesh::Attachment;
+use crate::mesh::{Attachment, Pocket};
 
 /// Pairs of a cell's corners, counter-clockwise: (0, 0), (0, 1), …, (3, 3).
 pub(crate) const PAIRS: [[usize; 2]; 10] =
@@ -18,10 +18,10 @@ const PER_CONSTANT: f64 = 1.0 / 36.0;
 const POINTS: usize = 8;
 
 impl Attachment {
-    /// Stiffness per area at a distance from the pocket's centre \[kPa/mm\].
+    /// Stiffness per area at a distance beyond the pocket's edge \[kPa/mm\].
     #[must_use]
-    pub fn stiffness(&self, pocket_radius_mm: f64, radius_mm: f64) -> f64 {
-        let ramp = ((radius_mm - pocket_radius_mm) / self.ramp_mm).clamp(0.0, 1.0);
+    pub fn stiffness(&self, beyond_mm: f64) -> f64 {
+        let ramp = (beyond_mm / self.ramp_mm).clamp(0.0, 1.0);
         self.stiffness_kpa_per_mm * ramp
     }
 
@@ -29,7 +29,7 @@ impl Attachment {
     /// `None` where the stiffness is zero.
     pub(crate) fn integrals(
         &self,
-        pocket_radius_mm: f64,
+        pocket: Pocket,
         [x, y]: [f64; 2],
         side: f64,
     ) -> Option<[f64; 10]> {
@@ -37,17 +37,18 @@ impl Attachment {
         let near = |a: f64| if a > 0.0 { a } else { (-a - side).max(0.0) };
         let far = |a: f64| a.abs().max((a + side).abs());
         let (nearest, farthest) = (near(x).hypot(near(y)), far(x).hypot(far(y)));
-        if farthest <= pocket_radius_mm {
+        if farthest <= pocket.radius_mm {
             return None;
         }
-        if nearest >= pocket_radius_mm + self.ramp_mm {
+        if nearest >= pocket.reach_mm() + self.ramp_mm {
             return Some(CONSTANT.map(|c| c * PER_CONSTANT * self.stiffness_kpa_per_mm));
         }
         let mut sum = [0.0; 10];
         for j in 0..POINTS {
             for i in 0..POINTS {
                 let [s, t] = [i, j].map(|k| (k as f64 + 0.5) / POINTS as f64);
-                let k = self.stiffness(pocket_radius_mm, (x + s * side).hypot(y + t * side));
+                let [x, y] = [x + s * side, y + t * side];
+                let k = self.stiffness(pocket.beyond(x.hypot(y), y));
                 let n = [(1. - s) * (1. - t), s * (1. - t), s * t, (1. - s) * t];
                 for (sum, [a, b]) in sum.iter_mut().zip(PAIRS) {
                     *sum += k * n[a] * n[b];

@@ -12,7 +12,7 @@ use super::sides::{self, Oblique, Sides, Skew};
 use super::variation::Variation;
 use crate::mesh::part::Part;
 use crate::mesh::vec3::sub;
-use crate::mesh::{Attachment, NodeKind, Rest, Sheet};
+use crate::mesh::{Attachment, NodeKind, Pocket, Rest, Sheet};
 use crate::model::membrane::assembly;
 use crate::springs::solids::{ExactLaw, of_law};
 use glam::{DMat3, DVec3};
@@ -23,7 +23,7 @@ use std::ops::Range;
 pub struct Exact<'a> {
     pub rest: &'a Rest,
     pub law: &'a LayeredLaw,
-    pub pocket_radius: f64,
+    pub pocket: Pocket,
     pub attachment: Option<Attachment>,
     /// Forces of the skin at rest on its nodes \[kPa·mm²\], which a dead load holds; empty where they are zero.
     pub at_rest: Cow<'a, [DVec3]>,
@@ -158,7 +158,7 @@ impl<'a> Exact<'a> {
     pub fn new(
         rest: &'a Rest,
         law: &'a LayeredLaw,
-        pocket_radius: f64,
+        pocket: Pocket,
         attachment: Option<Attachment>,
     ) -> Self {
         let mut at_rest = Vec::new();
@@ -168,7 +168,7 @@ impl<'a> Exact<'a> {
             let skin = rest.membrane_before_growth();
             assembly::forces(skin, &law.skin, &x, &mut at_rest);
         }
-        Self { rest, law, pocket_radius, attachment, at_rest: at_rest.into() }
+        Self { rest, law, pocket, attachment, at_rest: at_rest.into() }
     }
 }
 
@@ -199,8 +199,8 @@ impl Exact<'_> {
             let is_regular = cell.missing.is_none()
                 && cell.corners.iter().all(|&k| sheet.kinds()[k] == NodeKind::Free);
             let middle = [i, j].map(|k| (k as f64 + 0.5 - half) * spacing);
-            let distance = middle[0].hypot(middle[1]);
-            let has_points = is_regular && is_in_ring(distance, self.pocket_radius, spacing);
+            let beyond = self.pocket.beyond(middle[0].hypot(middle[1]), middle[1]);
+            let has_points = is_regular && is_in_ring(beyond, spacing);
             let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
             Some(Place { cell, parity: has_points.then_some(sign) })
         };
@@ -439,7 +439,7 @@ impl Exact<'_> {
                     continue;
                 }
                 let at = [i, j].map(|k| (k as f64 - half) * spacing);
-                if let Some(integrals) = attachment.integrals(self.pocket_radius, at, spacing) {
+                if let Some(integrals) = attachment.integrals(self.pocket, at, spacing) {
                     let area = self.rest.area(corners);
                     visit(corners, integrals.map(|value| value * area));
                 }

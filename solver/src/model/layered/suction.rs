@@ -3,7 +3,7 @@
 
 use crate::mesh::enclosed::{self, pocket_weight};
 use crate::mesh::height_field::HeightField;
-use crate::mesh::{Chest, NodeKind, Sheet};
+use crate::mesh::{Chest, NodeKind, Pocket, Sheet};
 use crate::number::Real;
 use crate::number::dual::Dual;
 use glam::{DVec2, DVec3};
@@ -21,10 +21,10 @@ pub(crate) struct Suction {
 }
 
 /// The parts of the nodes' surroundings in the pocket, of places at rest in spacings; zero of nodes that are not free.
-pub(super) fn weights(sheet: &Sheet, pocket_radius_mm: f64) -> Vec<f64> {
+pub(super) fn weights(sheet: &Sheet, pocket: Pocket) -> Vec<f64> {
     let spacing = sheet.spacing_mm();
     let weight = |(place, kind): (&DVec2, &NodeKind)| match kind {
-        NodeKind::Free => pocket_weight(place.length(), pocket_radius_mm, spacing),
+        NodeKind::Free => pocket_weight(pocket.beyond(place.length(), place.y), spacing),
         _ => 0.0,
     };
     sheet.rest().iter().zip(sheet.kinds()).map(weight).collect()
@@ -32,12 +32,12 @@ pub(super) fn weights(sheet: &Sheet, pocket_radius_mm: f64) -> Vec<f64> {
 
 impl Suction {
     /// Of a pressure \[kPa\] over a wall.
-    pub(crate) fn new(kpa: f64, wall: &Chest, sheet: &Sheet, pocket_radius_mm: f64) -> Self {
+    pub(crate) fn new(kpa: f64, wall: &Chest, sheet: &Sheet, pocket: Pocket) -> Self {
         Self {
             kpa,
             wall: wall.heights(),
             dual_wall: wall.heights(),
-            weights: weights(sheet, pocket_radius_mm),
+            weights: weights(sheet, pocket),
             nodes_per_side: sheet.nodes_per_side(),
         }
     }
@@ -111,7 +111,8 @@ mod tests {
     fn forces_and_their_derivatives_are_those_of_the_energy() {
         let sheet = Sheet::new(17, 80.0);
         for wall in [Chest::Flat, Chest::Curved { across_mm: 150.0, along_mm: 300.0 }] {
-            let suction = Suction::new(2.5, &wall, &sheet, 47.0);
+            let pocket = Pocket { radius_mm: 47.0, lowered_mm: 8.0 };
+            let suction = Suction::new(2.5, &wall, &sheet, pocket);
             let wave = |place: &DVec2| {
                 let [a, b] = [0.07 * place.x, 0.05 * place.y];
                 let to = *place + DVec2::new((a + b).sin(), (a - b).cos()) * 2.0;

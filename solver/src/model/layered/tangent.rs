@@ -288,7 +288,7 @@ impl NodeModes {
 mod tests {
     use super::*;
     use crate::curve::CurveSpec;
-    use crate::mesh::{Attachment, Chest, NodeKind, Rest, Sheet};
+    use crate::mesh::{Attachment, Chest, NodeKind, Pocket, Rest, Sheet};
     use crate::model::layered::LayeredLaw;
     use crate::springs::Material;
     use crate::springs::solids::SolidKind;
@@ -317,7 +317,8 @@ mod tests {
         let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2).over(chest);
         let sheet = rest.sheet();
         let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
-        let exact = Exact::new(&rest, &law, 30.0, attachment);
+        let exact =
+            Exact::new(&rest, &law, Pocket { radius_mm: 30.0, lowered_mm: 6.0 }, attachment);
         let wave = |k: usize, layer: usize, phase: f64| {
             let at = 0.09 * k as f64 + layer as f64 + phase;
             DVec3::new((1.7 * at).sin(), (2.3 * at).cos(), (3.1 * at).sin())

@@ -11,8 +11,12 @@ use glam::DVec2;
 /// Skin and fat over a flat wall or a curved one.
 fn tissue(nodes: usize, chest: &Chest) -> Problem {
     let attachment = Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 };
-    let patch =
-        Patch { radius_mm: 130.0, pocket_radius_mm: 70.0, edge: Edge::Attached(attachment) };
+    let patch = Patch {
+        radius_mm: 130.0,
+        pocket_radius_mm: 70.0,
+        pocket_lowered_mm: 0.0,
+        edge: Edge::Attached(attachment),
+    };
     let skin = ScaledCurve { strain_scale: 0.5, ..CurveSpec::Skin {}.into() };
     let skin = Material::new(Curve::scaled(&skin).unwrap(), 0.45, 1.5);
     let fat = Material::of(&CurveSpec::Exponential { scale_kpa: 0.6, rate: 5.0 }, 0.45, 8.5);

@@ -4,7 +4,7 @@ use super::convergence::Offsets;
 use super::*;
 use crate::contact::{Dome, HalfBall, Obstacle, Superellipse};
 use crate::curve::CurveSpec;
-use crate::mesh::{Chest, NaturalStretch, Patch, Rest, Sheet};
+use crate::mesh::{Chest, NaturalStretch, Patch, Pocket, Rest, Sheet};
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::lanes::Layered;
 use crate::model::membrane::assembly;
@@ -23,7 +23,7 @@ fn skin_under_tension_has_no_forces_at_rest_in_lanes() {
         let natural = NaturalStretch::new([1.08, 1.03], 0.6);
         let rest =
             Rest::layered(Sheet::new(33, 80.0), &[8.0], 2).over(chest.clone()).stretched(natural);
-        let model = Layered::new(&law, &rest, 40.0, None);
+        let model = Layered::new(&law, &rest, Pocket::round(40.0), None);
         for n in [17, 33] {
             let mut level = Level::new(n, [false; 2], true, 0, &model);
             level.fit(&model, 160.0 / (n - 1) as f64, &rest);

@@ -411,10 +411,9 @@ impl Viewport {
         };
         let (right, up) = self.camera.light();
         // A sheet ends at the pocket's edge.
+        let edge = problem.patch.pocket();
         let pocket = match problem.tissue {
-            Tissue::Layered if pocket_line => {
-                problem.patch.pocket_radius_mm / problem.sheet().spacing_mm()
-            }
+            Tissue::Layered if pocket_line => edge.radius_mm / problem.sheet().spacing_mm(),
             Tissue::Layered | Tissue::Sheet => 0.0,
         };
         let frame = Frame {
@@ -434,7 +433,7 @@ impl Viewport {
             cell_mm: problem.sheet().spacing_mm() as f32,
             grid_centre: 0.5 * nodes_per_side.saturating_sub(1) as f32,
             foot: problem.obstacle.dome.wall_axes().as_vec2().to_array(),
-            pocket: pocket as f32,
+            pocket: [pocket, edge.radius_mm / edge.reach_mm()].map(|of| of as f32),
         };
         let renderer = Arc::clone(renderer);
         let paint = egui_glow::CallbackFn::new(move |_, painter| {

@@ -69,8 +69,8 @@ pub(crate) struct Frame {
     pub(crate) cell_mm: f32,
     /// Middle of the grid \[cells\].
     pub(crate) grid_centre: f32,
-    /// Radius of the pocket's edge, drawn as a line \[cells\]; 0: no line.
-    pub(crate) pocket: f32,
+    /// Radius of the pocket's edge, drawn as a line \[cells\], 0: no line; and that radius by the edge's distance downwards.
+    pub(crate) pocket: [f32; 2],
     /// Radius of the circle where the implant meets the chest wall \[mm\].
     pub(crate) foot: [f32; 2],
 }
@@ -225,7 +225,9 @@ impl Renderer {
             gl.uniform_2_f32(self.uniform(gl, "u_foot").as_ref(), across, along);
             let centre = frame.grid_centre;
             gl.uniform_2_f32(self.uniform(gl, "u_grid_centre").as_ref(), centre, centre);
-            gl.uniform_1_f32(self.uniform(gl, "u_pocket").as_ref(), frame.pocket);
+            let [radius, lower] = frame.pocket;
+            gl.uniform_1_f32(self.uniform(gl, "u_pocket").as_ref(), radius);
+            gl.uniform_1_f32(self.uniform(gl, "u_lower").as_ref(), lower);
             gl.uniform_1_i32(self.uniform(gl, "u_net").as_ref(), i32::from(frame.net));
             gl.uniform_1_i32(self.uniform(gl, "u_areola").as_ref(), frame.areola as i32);
             gl.uniform_1_f32(self.uniform(gl, "u_cell").as_ref(), frame.cell_mm);

@@ -13,6 +13,7 @@ uniform vec2 u_grid_centre;
 uniform float u_cell;        // width of a cell at rest [mm]
 uniform int u_areola;        // 0 none, 1 in its own colour, 2 its edge
 uniform float u_pocket;      // radius of the pocket's edge on the grid [cells]; 0: no line
+uniform float u_lower;       // that radius by the edge's distance from the centre downwards
 uniform vec2 u_foot;         // half-axes of the ellipse in which the implant meets the wall, across and along the body [mm]
 
 in vec3 v_position;
@@ -207,7 +208,12 @@ void main() {
         color = mix(color, vec3(0.20, 0.06, 0.05), 0.7 * edge);
     }
     if (u_pocket > 0.0) {
-        float across = abs(from_middle - u_pocket);
+        // The lower half of the edge is that of an ellipse: its gauge and the length of the gauge's gradient.
+        vec2 at = v_grid - u_grid_centre;
+        float q = at.y < 0.0 ? u_lower : 1.0;
+        float gauge = length(vec2(at.x, q * at.y));
+        float slope = length(vec2(at.x, q * q * at.y)) / max(gauge, 1.0e-3);
+        float across = abs(gauge - u_pocket) / max(slope, 1.0e-3);
         float edge = 1.0 - smoothstep(0.7, 1.5, across / grid_pixel);
         color = mix(color, vec3(0.05, 0.05, 0.09), 0.6 * edge);
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::curve::CurveSpec;
-use crate::mesh::Chest;
+use crate::mesh::{Chest, Pocket};
 use crate::springs::Material;
 
 const CHEST: Chest = Chest::Curved { across_mm: 110.0, along_mm: 200.0 };
@@ -22,7 +22,7 @@ fn rest(nodes: usize) -> Rest {
 
 /// Forces after an affine map of the body over a curved wall, and the greatest force on a node within the pocket's middle.
 fn after(rest: &Rest, law: &LayeredLaw, map: impl Fn(DVec3) -> DVec3) -> (Vec<Vec<DVec3>>, f64) {
-    let exact = Exact::new(rest, law, 30.0, None);
+    let exact = Exact::new(rest, law, Pocket::round(30.0), None);
     let x: Vec<Vec<DVec3>> =
         (0..rest.layers()).map(|l| rest.nodes(l).map(&map).collect()).collect();
     let forces = exact.forces(&x);
@@ -64,7 +64,7 @@ fn homogeneous_deformation_over_a_curved_wall_is_of_second_order() {
     let errors = [17, 33].map(|nodes| {
         let rest = rest(nodes);
         let (_, greatest) = after(&rest, &law, |x| f * x);
-        let exact = Exact::new(&rest, &law, 30.0, None);
+        let exact = Exact::new(&rest, &law, Pocket::round(30.0), None);
         let x: Vec<Vec<DVec3>> =
             (0..rest.layers()).map(|l| rest.nodes(l).map(|x| f * x).collect()).collect();
         let places = exact.places();
@@ -87,7 +87,7 @@ fn cells_over_a_sphere_have_its_volume() {
     let chest = Chest::Curved { across_mm: radius, along_mm: radius };
     let rest = Rest::layered(Sheet::new(65, 60.0), &[THICKNESS_MM], 2).over(chest);
     let law = law(1.5);
-    let exact = Exact::new(&rest, &law, 30.0, None);
+    let exact = Exact::new(&rest, &law, Pocket::round(30.0), None);
     let x: Vec<Vec<DVec3>> = (0..rest.layers()).map(|l| rest.nodes(l).collect()).collect();
     let mut volume = 0.0;
     exact.each(&exact.places(), &x, |element| volume += element.shape.volume);

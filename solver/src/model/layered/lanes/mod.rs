@@ -16,7 +16,7 @@ use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
 use crate::mesh::lanes::{Field, Layout, load, store};
 use crate::mesh::vec3::dot;
-use crate::mesh::{Attachment, Cells, Grown, NaturalStretch, Rest};
+use crate::mesh::{Attachment, Cells, Grown, NaturalStretch, Pocket, Rest};
 use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
@@ -39,10 +39,10 @@ const LEAST_RING: f64 = 1.5;
 /// within a fine cell.
 const LEAST_SECTION_MM2: f64 = 9.0;
 
-/// Is a cell at this distance from the pocket's centre in the ring in which cells have four points?
-pub(super) fn is_in_ring(distance: f64, pocket_radius: f64, spacing: f64) -> bool {
+/// Is a cell at this distance beyond the pocket's edge in the ring in which cells have four points?
+pub(super) fn is_in_ring(beyond: f64, spacing: f64) -> bool {
     let least = LEAST_RING * spacing;
-    (-RING_MM.0.max(least)..=RING_MM.1.max(least)).contains(&(distance - pocket_radius))
+    (-RING_MM.0.max(least)..=RING_MM.1.max(least)).contains(&beyond)
 }
 
 /// Is a cell large enough for four points?
@@ -56,7 +56,7 @@ pub(crate) struct Layered {
     skin: Membrane,
     /// Layers of cells, from the inner face outwards.
     cells: Vec<CellLayer>,
-    pocket_radius: f64,
+    pocket: Pocket,
     attachment: Option<Attachment>,
     /// The stretch of the skin at rest.
     natural: Option<NaturalStretch>,
@@ -108,7 +108,7 @@ pub(crate) struct Scratch {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Geometry {
     spacing: f64,
-    pocket_radius: f64,
+    pocket: Pocket,
     attachment: Option<Attachment>,
     natural: Option<NaturalStretch>,
     stiffness: f64,
@@ -118,7 +118,7 @@ impl Layered {
     pub(crate) fn new(
         law: &LayeredLaw,
         rest: &Rest,
-        pocket_radius: f64,
+        pocket: Pocket,
         attachment: Option<Attachment>,
     ) -> Self {
         let stiffness = law.skin.stiffness();
@@ -130,7 +130,7 @@ impl Layered {
         Self {
             skin: Membrane::new(&law.skin),
             cells: rest.cells().iter().map(layer).collect(),
-            pocket_radius,
+            pocket,
             attachment,
             natural: rest.natural().copied(),
             grown: rest.grown().cloned(),
@@ -237,7 +237,7 @@ impl ElasticModel for Layered {
     ) {
         let geometry = Geometry {
             spacing,
-            pocket_radius: self.pocket_radius,
+            pocket: self.pocket,
             attachment: self.attachment,
             natural: self.natural,
             stiffness: self.stiffness,
@@ -285,13 +285,13 @@ impl ElasticModel for Layered {
             for i in 0..layout.columns - 1 {
                 let k = j * layout.pitch + i;
                 let corner = [(i as f64 - x0) * spacing, (j as f64 - y0) * spacing];
-                let distance = (corner[0] + 0.5 * spacing).hypot(corner[1] + 0.5 * spacing);
-                let is_in_ring = is_in_ring(distance, self.pocket_radius, spacing);
+                let [x, y] = corner.map(|at| at + 0.5 * spacing);
+                let is_in_ring = is_in_ring(self.pocket.beyond(x.hypot(y), y), spacing);
                 scratch.in_ring[k] = if is_in_ring { 1.0 } else { 0.0 };
                 let integrals = self
                     .attachment
                     .filter(|_| layout.touches_free(i, j))
-                    .and_then(|a| a.integrals(self.pocket_radius, corner, spacing));
+                    .and_then(|a| a.integrals(self.pocket, corner, spacing));
                 let unit = rest.filter(|_| integrals.is_some()).map_or(unit, |rest| {
                     let node = layout.node(i, j);
                     rest.area([node, node + 1, node + n + 1, node + n]) / self.stiffness

@@ -6,7 +6,7 @@ use crate::mesh::enclosed;
 use crate::mesh::height_field::HeightField;
 use crate::mesh::lanes::{Field, Layout, load, store, store_first};
 use crate::mesh::vec3::{Vec3, add};
-use crate::mesh::{Chest, Sheet};
+use crate::mesh::{Chest, Pocket, Sheet};
 use std::ops::Range;
 use wide::f32x4;
 
@@ -29,7 +29,7 @@ impl Layered {
     pub(super) fn draw(&self, (layout, spacing): (&Layout, f64), scratch: &mut Scratch) {
         let suction = |of: &OnFinest| {
             let pressure = of.kpa * spacing / self.stiffness;
-            LaneSuction::new(pressure, &of.wall, (layout, spacing), self.pocket_radius)
+            LaneSuction::new(pressure, &of.wall, (layout, spacing), self.pocket)
         };
         let own = self.suction.as_ref().filter(|of| of.nodes_per_side == layout.nodes_per_side);
         scratch.suction = own.map(suction);
@@ -58,10 +58,10 @@ impl LaneSuction {
         pressure: f64,
         wall: &Chest,
         (layout, spacing): (&Layout, f64),
-        pocket_radius: f64,
+        pocket: Pocket,
     ) -> Self {
         let radius = spacing * (layout.nodes_per_side / 2) as f64;
-        let of_grid = weights(&Sheet::new(layout.nodes_per_side, radius), pocket_radius);
+        let of_grid = weights(&Sheet::new(layout.nodes_per_side, radius), pocket);
         let mut weights = vec![0.0; layout.len()];
         let mut within = layout.rows..0;
         for j in 0..layout.rows {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::curve::CurveSpec;
-use crate::mesh::{Attachment, Chest, NaturalStretch, Sheet};
+use crate::mesh::{Attachment, Chest, NaturalStretch, Pocket, Sheet};
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::exact::Exact;
 use crate::model::layered::lanes::Layered;
@@ -74,16 +74,25 @@ fn layered_forces_equal_the_exact_forces_and_the_gradient_of_the_energy() {
     let curved = Chest::Curved { across_mm: 130.0, along_mm: 300.0 };
     for chest in [Chest::Flat, curved] {
         for &solid in SolidKind::ALL {
-            compare_layered_forces(chest.clone(), solid, None);
+            compare_layered_forces(chest.clone(), solid, None, POCKET);
         }
+        let lowered = Pocket { lowered_mm: 12.0, ..POCKET };
+        compare_layered_forces(chest.clone(), SolidKind::Curve, None, lowered);
         let natural = |direction| NaturalStretch::new([1.08, 1.03], direction);
         for natural in [natural(0.0), natural(0.7)] {
-            compare_layered_forces(chest.clone(), SolidKind::Curve, natural);
+            compare_layered_forces(chest.clone(), SolidKind::Curve, natural, POCKET);
         }
     }
 }
 
-fn compare_layered_forces(chest: Chest, solid: SolidKind, natural: Option<NaturalStretch>) {
+const POCKET: Pocket = Pocket::round(40.0);
+
+fn compare_layered_forces(
+    chest: Chest,
+    solid: SolidKind,
+    natural: Option<NaturalStretch>,
+    pocket: Pocket,
+) {
     let material = |spec: &CurveSpec, poisson_ratio, thickness_mm| Material {
         solid,
         ..Material::of(spec, poisson_ratio, thickness_mm)
@@ -98,8 +107,7 @@ fn compare_layered_forces(chest: Chest, solid: SolidKind, natural: Option<Natura
     let rest = Rest::layered(Sheet::new(n, 80.0), &[5.0, 8.0], 3).over(chest).stretched(natural);
     let sheet = rest.sheet();
     let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
-    let pocket_radius = 40.0;
-    let exact = Exact::new(&rest, &law, pocket_radius, attachment);
+    let exact = Exact::new(&rest, &law, pocket, attachment);
     let bulge = |p: DVec2, layer: usize| {
         let s = p.length() / 80.0;
         let z =
@@ -141,10 +149,10 @@ fn compare_layered_forces(chest: Chest, solid: SolidKind, natural: Option<Natura
         }
     }
     for mirrored in [[false; 2], [true, false], [true; 2]] {
-        if mirrored[0] && !rest.mirrored()[0] {
+        if mirrored[0] && !rest.mirrored()[0] || mirrored[1] && pocket.is_lowered() {
             continue;
         }
-        let model = Layered::new(&law, &rest, pocket_radius, attachment);
+        let model = Layered::new(&law, &rest, pocket, attachment);
         let mut level = Level::new(n, mirrored, true, 0, &model);
         level.fit(&model, sheet.spacing_mm(), &rest);
         let Level { layout, u, .. } = &mut level;

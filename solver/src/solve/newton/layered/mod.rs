@@ -13,6 +13,7 @@ use super::conjugate_gradients::CgState;
 use super::parameters::{self as shared, Parameters};
 use super::{Case, Contact, Grid, Layers, Newton, Phase, State, System};
 use crate::contact::{Obstacle, TOUCH_F64};
+use crate::mesh::Pocket;
 use crate::mesh::stencil::BlockStencil9;
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::exact::{Exact, Place};
@@ -29,9 +30,9 @@ type LayeredCase<'a> = Case<'a, LayeredLaw>;
 
 /// The quadratic model of the energy of layered tissue; arrays of shape (n², ).
 pub(in crate::solve) struct LayeredSystem {
-    /// The cells of the sheet, for a pocket of this radius \[mm\].
+    /// The cells of the sheet, for a pocket.
     places: Vec<Place>,
-    pocket_radius: f64,
+    pocket: Option<Pocket>,
     tangent: Tangent,
     /// See [`Exact::at_rest`].
     at_rest: Vec<DVec3>,
@@ -49,9 +50,9 @@ pub(in crate::solve) struct LayeredSystem {
 
 impl<'a> LayeredCase<'a> {
     fn exact(&self, grid: &'a Grid, at_rest: &'a [DVec3]) -> Exact<'a> {
-        let (pocket_radius, attachment) = (self.patch.pocket_radius_mm, self.patch.attachment());
+        let (pocket, attachment) = (self.patch.pocket(), self.patch.attachment());
         let at_rest = at_rest.into();
-        Exact { rest: &grid.rest, law: self.law, pocket_radius, attachment, at_rest }
+        Exact { rest: &grid.rest, law: self.law, pocket, attachment, at_rest }
     }
 }
 
@@ -70,7 +71,7 @@ impl System for LayeredSystem {
         let size = grid.sheet().len();
         Self {
             places: Vec::new(),
-            pocket_radius: f64::NAN,
+            pocket: None,
             tangent: Tangent::default(),
             at_rest: Vec::new(),
             suction: None,
@@ -89,18 +90,18 @@ impl System for LayeredSystem {
 
     /// Moves whole columns.
     fn start(newton: &mut LayeredNewton, case: &LayeredCase) {
-        let (pocket_radius, attachment) = (case.patch.pocket_radius_mm, case.patch.attachment());
-        let exact = Exact::new(&newton.grid.rest, case.law, pocket_radius, attachment);
+        let (pocket, attachment) = (case.patch.pocket(), case.patch.attachment());
+        let exact = Exact::new(&newton.grid.rest, case.law, pocket, attachment);
         let system = &mut newton.system;
-        if system.pocket_radius.to_bits() != exact.pocket_radius.to_bits() {
+        if system.pocket != Some(pocket) {
             system.places = exact.places();
-            system.pocket_radius = exact.pocket_radius;
+            system.pocket = Some(pocket);
         }
         system.tangent.attach(&exact);
         system.at_rest = exact.at_rest.into_owned();
         let (kpa, sheet) = (case.suction_kpa, newton.grid.rest.sheet());
         let wall = &case.obstacle.wall.0;
-        let suction = || Suction::new(kpa, wall, sheet, case.patch.pocket_radius_mm);
+        let suction = || Suction::new(kpa, wall, sheet, pocket);
         system.suction = (kpa > 0.0).then(suction);
         for k in newton.grid.free() {
             let shift = case.obstacle.project(newton.x[0][k], 0.0) - newton.x[0][k];
