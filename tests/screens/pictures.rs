@@ -57,6 +57,50 @@ fn the_words_of_the_directions_stand_at_the_edges_of_the_picture_on_every_plan()
     }
 }
 
+#[test]
+fn the_picture_the_answer_and_the_headline_name_the_time_that_is_shown() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
+    let times = ["on the table", "after a week", "after six months"];
+    // In sight on the picture, beside the answer.
+    let seen = |harness: &Harness<'static, App>| -> Vec<&str> {
+        let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();
+        let is_on_picture = |time: &&str| {
+            let label = harness.query_by_label(time);
+            label.is_some_and(|label| view.contains_rect(label.rect()))
+        };
+        let found: Vec<&str> = times.into_iter().filter(is_on_picture).collect();
+        for time in times {
+            let words = format!("Skin: {time}");
+            assert_eq!(harness.query_by_label(&words).is_some(), found.contains(&time), "{time}");
+            assert_eq!(harness.state().summary().contains(time), found.contains(&time), "{time}");
+        }
+        found
+    };
+    let mean = |harness: &Harness<'static, App>| {
+        harness.state().outcome().unwrap().contact_pressure_mmhg.unwrap().mean
+    };
+    let height = |harness: &Harness<'static, App>| {
+        let solution = harness.state().session().solution();
+        solution.membrane().iter().map(|at| at.z).fold(0.0, f64::max)
+    };
+    assert!(seen(&harness).is_empty());
+    let (table, shape) = (mean(&harness), height(&harness));
+    press(&mut harness, "Six months");
+    assert_eq!(seen(&harness), ["after six months"]);
+    // Shape and numbers are those of the time.
+    assert!(mean(&harness) < 0.8 * table && height(&harness) != shape, "{}", mean(&harness));
+    press(&mut harness, "Under tension");
+    assert_eq!(seen(&harness), ["after six months"]);
+    press(&mut harness, "On the table");
+    assert_eq!(seen(&harness), ["on the table"]);
+    press(&mut harness, "Pin as A");
+    press(&mut harness, "A week");
+    assert!(
+        text_with(&harness, "Time after the operation: this plan A week; A On the table").is_some()
+    );
+}
+
 /// The texts on the picture with their places, and the place of the handle that moves the implant: all of them move with the camera.
 fn seen(harness: &Harness<'static, App>) -> (Vec<(String, egui::Pos2)>, Option<egui::Rect>) {
     let view = harness.get_by_role_and_label(Role::Canvas, "3-D view").rect();

@@ -9,6 +9,7 @@ use crate::app::plan::device::Device;
 use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::without_negative_zero;
 use crate::app::widgets::{group, remark};
+use crate::clinical::When;
 use crate::measure::{Outcome, STRAIN_BANDS};
 use crate::scene::Scene;
 use crate::session::Session;
@@ -62,12 +63,14 @@ fn shape(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>, scene: &Scene) {
                 of(ui, outcome, bands, Quantity::VoidMl, 0);
             }
         });
-        remark(
-            ui,
-            tr(
-                "Right after surgery. With tissue expanders about a third (35 %) of such a gain remained.",
-            ),
-        );
+        if scene.when() == Some(When::OnTheTable) {
+            remark(
+                ui,
+                tr(
+                    "Right after surgery. With tissue expanders about a third (35 %) of such a gain remained.",
+                ),
+            );
+        }
     });
 }
 

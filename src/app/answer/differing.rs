@@ -4,7 +4,10 @@
 //! Uses `plan`, `texts`, `widgets`. Used by `compare`, `viewport`.
 
 use crate::app::plan::device::Device;
-use crate::app::plan::{chest_in_words, fill_in_words, fluid_in_words, shape_in_words};
+use crate::app::plan::when::{tension_in_words, time_in_words};
+use crate::app::plan::{
+    chest_in_words, fill_in_words, fluid_in_words, plane_in_words, shape_in_words,
+};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::scene::field::TORSO;
@@ -35,7 +38,7 @@ use Value::{Number, Shape, Words};
 
 const BREAST: &str = "Breast";
 
-const GIVEN: [Given; 12] = [
+const GIVEN: [Given; 15] = [
     Given { name: BREAST, unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
@@ -54,8 +57,22 @@ const GIVEN: [Given; 12] = [
         value: Words(of_skin),
         is_in_captions: false,
     },
+    Given { name: "Skin at rest", unit: "", value: Words(tension_in_words), is_in_captions: true },
+    // In the titles of the captions.
+    Given {
+        name: "Time after the operation",
+        unit: "",
+        value: Words(time_in_words),
+        is_in_captions: false,
+    },
     Given { name: "Chest", unit: "", value: Words(chest_in_words), is_in_captions: true },
     Given { name: "Margin of the pocket", unit: "cm", value: Words(margin), is_in_captions: true },
+    Given {
+        name: "Plane of the pocket",
+        unit: "",
+        value: Words(plane_in_words),
+        is_in_captions: true,
+    },
     Given {
         name: "New fold lower",
         unit: "cm",

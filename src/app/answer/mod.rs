@@ -30,9 +30,11 @@ pub(super) use draw::band_color;
 use crate::app::frame::action::Action;
 use crate::app::frame::status::Pending;
 use crate::app::plan::device::Device;
-use crate::app::plan::side_in_a_word;
+use crate::app::plan::{side_in_a_word, when};
 use crate::app::texts::{self, tr, word_of};
+use crate::app::widgets::remark;
 use crate::app::widgets::theme::{self, SPACE};
+use crate::clinical::When;
 use crate::measure::bands::{self, Limits, SkinLimits};
 use crate::measure::{Outcome, Status};
 use crate::scene::Scene;
@@ -89,6 +91,9 @@ pub(super) fn heading(ui: &mut Ui, session: &Session) {
     });
     if session.is_stopped() {
         ui.label(RichText::new(tr("Not computed.")).color(ui.visuals().weak_text_color()));
+    }
+    if let Some(time) = when::in_words(session.scene()) {
+        remark(ui, tr!("Skin: {time}", time));
     }
 }
 
@@ -269,13 +274,11 @@ pub(super) fn sources(
                 ui.label(RichText::new(text).small());
             }
             practices.table_buttons(ui, actions);
-            ui.label(
-                RichText::new(
-                    tr("Right after surgery. With tissue expanders about a third of such a gain of skin \
-                     remained."),
-                )
-                .small(),
-            );
+            if session.scene().when() == Some(When::OnTheTable) {
+                let words = tr("Right after surgery. With tissue expanders about a third of such a gain of skin \
+                     remained.");
+                ui.label(RichText::new(words).small());
+            }
             ui.add_space(SPACE);
         },
     );
@@ -314,7 +317,8 @@ fn in_a_line(plan: &Scene, words: &str) -> String {
         full if full >= 1.0 => String::new(),
         part => tr!(", {part:.0} % in place", part = 100.0 * part),
     };
-    format!("{implant}, {} cm{part}: {words}", texts::localized(width))
+    let time = when::in_words(plan).map_or_else(String::new, |time| format!(", {time}"));
+    format!("{implant}, {} cm{part}{time}: {words}", texts::localized(width))
 }
 
 /// The other side's plan with its answer in a sentence, where each side has a plan of its own.
@@ -388,6 +392,10 @@ pub(super) fn summary(
         tr!("{width} cm wide", width)
     } else {
         tr!("{width} cm wide and high", width)
+    };
+    let wide = match when::in_words(session.scene()) {
+        Some(time) => format!("{wide}, {time}"),
+        None => wide,
     };
     tr!(
         "{size} {name}, {wide}.{at_once}{strain}{cover}{pressure} {state}{warnings}",

@@ -2,11 +2,11 @@
 
 use super::before_after::{self, Table};
 use crate::app::frame::studies::{Driver, Studies};
-use crate::app::plan::when::name;
+use crate::app::plan::when::{has_state, name};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::{group, remark};
 use crate::clinical::{Expected, When};
-use crate::scene::{Scene, SkinState};
+use crate::scene::Scene;
 use crate::study::{AtTime, Quantity, Times};
 use eframe::egui::Ui;
 
@@ -105,11 +105,6 @@ fn in_words(value: f64, [least, most]: [f64; 2], factor: f64, decimals: usize) -
         return text(value);
     }
     format!("{} ({}–{})", text(value), text(least), text(most))
-}
-
-/// Has the skin of a plan a tension at rest, or a time after the table?
-fn has_state(scene: &Scene) -> bool {
-    scene.is_layered() && scene.body.skin_state != SkinState::default()
 }
 
 #[cfg(test)]

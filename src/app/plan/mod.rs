@@ -34,7 +34,7 @@ pub(super) use form::{fields, set};
 pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
-pub(super) use pocket::{fluid_in_words, pocket};
+pub(super) use pocket::{fluid_in_words, plane_in_words, pocket};
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use practice::practice;
 pub(super) use shape::{is_anatomical, shape_in_words, usual_apex};
@@ -101,7 +101,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
             tr("New fold lower"),
             Some(lowered).filter(|_| Field::PocketLowered.is_stated(scene)),
         ),
-        pocket::plane_in_words(scene).map(|words| (tr("Plane of the pocket"), words.to_owned())),
+        scene.body.plane.map(|_| (tr("Plane of the pocket"), plane_in_words(scene))),
         pocket::is_limited(scene).then(|| (tr("Fluid in the pocket"), fluid_in_words(scene))),
         Some((
             tr("Position"),

@@ -32,9 +32,9 @@ const PLANES: [(Option<Plane>, &str, &str); 5] = [
     ),
 ];
 
-/// The plane in words, of a plan below the muscle.
-pub(super) fn plane_in_words(scene: &Scene) -> Option<&'static str> {
-    scene.body.plane.map(|plane| tr(plane.words()))
+/// The plane in words.
+pub(crate) fn plane_in_words(scene: &Scene) -> String {
+    tr(scene.body.plane.map_or("above the muscle", Plane::words)).to_owned()
 }
 
 /// Shows the margin of the pocket.

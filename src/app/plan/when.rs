@@ -69,25 +69,49 @@ pub(crate) fn name(when: When) -> &'static str {
     tr(found.map_or("", |(_, name, _)| name))
 }
 
+/// What of the skin's tension is left and how much of its stretch has grown, in words.
+fn numbers(SkinState { relaxed, grown, .. }: SkinState) -> String {
+    tr!(
+        "{relaxed:.0} % of the tension left, {grown:.0} % grown",
+        relaxed = 100.0 * relaxed,
+        grown = 100.0 * grown
+    )
+}
+
+/// The time of a plan within a sentence; `None` of skin without a state, whose plan is that on the table.
+pub(crate) fn in_words(scene: &Scene) -> Option<String> {
+    let state = scene.body.skin_state;
+    has_state(scene).then(|| match scene.when() {
+        Some(when) => tr(when.words()).to_owned(),
+        None => numbers(state),
+    })
+}
+
+/// Has the skin of a plan a tension at rest, or a time after the table?
+pub(crate) fn has_state(scene: &Scene) -> bool {
+    scene.is_layered() && scene.body.skin_state != SkinState::default()
+}
+
+/// The tension of the skin at rest in words.
+pub(crate) fn tension_in_words(scene: &Scene) -> String {
+    match scene.body.skin_state.natural_tension_n_per_m {
+        tension if tension > 0.0 => format!("{} N/m", fixed(tension, 0)),
+        _ => tr("without tension").to_owned(),
+    }
+}
+
+/// The time after the operation in words, as a value.
+pub(crate) fn time_in_words(scene: &Scene) -> String {
+    scene.when().map_or_else(|| numbers(scene.body.skin_state), |when| name(when).to_owned())
+}
+
 /// The state of the skin in words, of skin that has one.
 pub(super) fn rows(scene: &Scene) -> [Option<(&'static str, String)>; 2] {
-    let SkinState { natural_tension_n_per_m, relaxed, grown, .. } = scene.body.skin_state;
-    let numbers = || {
-        tr!(
-            "{relaxed:.0} % of the tension left, {grown:.0} % grown",
-            relaxed = 100.0 * relaxed,
-            grown = 100.0 * grown
-        )
-    };
-    let time = scene.when().filter(|when| *when != When::OnTheTable);
-    let is_own = scene.when() != Some(When::OnTheTable);
+    let is_tense = scene.body.skin_state.natural_tension_n_per_m > 0.0;
+    let is_later = scene.when() != Some(When::OnTheTable);
     [
-        (natural_tension_n_per_m > 0.0)
-            .then(|| (tr("Skin at rest"), format!("{} N/m", fixed(natural_tension_n_per_m, 0)))),
-        is_own.then(|| {
-            let words = time.map_or_else(numbers, |when| name(when).to_owned());
-            (tr("Time after the operation"), words)
-        }),
+        is_tense.then(|| (tr("Skin at rest"), tension_in_words(scene))),
+        is_later.then(|| (tr("Time after the operation"), time_in_words(scene))),
     ]
 }
 
@@ -98,11 +122,13 @@ mod tests {
     #[test]
     fn a_plan_has_its_state_in_words_once_it_has_one() {
         let mut scene = Scene::opening();
-        assert_eq!(rows(&scene), [None, None]);
+        assert_eq!((rows(&scene), in_words(&scene)), ([None, None], None));
         scene.set_natural_tension(20.0).unwrap();
+        assert_eq!(in_words(&scene).as_deref(), Some("on the table"));
         scene = scene.at(When::SixMonths);
         let [rest, time] = rows(&scene).map(|row| row.unwrap().1);
         assert_eq!([&*rest, &*time], ["20 N/m", "Six months"]);
+        assert_eq!(in_words(&scene).as_deref(), Some("after six months"));
         scene.body.skin_state.grown = 0.5;
         assert_eq!(rows(&scene)[1].as_ref().unwrap().1, "50 % of the tension left, 50 % grown");
     }

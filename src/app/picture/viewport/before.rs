@@ -1,8 +1,10 @@
-//! The body before, beside the body after or in a part of its picture.
+//! The body before, beside the body after or in a part of its picture; the time that a picture shows.
 
 use super::{CURRENT, Drawn, Viewport, overlay};
+use crate::app::plan::when;
 use crate::app::texts::tr;
 use crate::app::widgets::{arrow_keys, keep_press, theme};
+use crate::scene::Scene;
 use crate::view::mesh::Mesh;
 use eframe::egui::{
     self, Align2, Key, Modifiers, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
@@ -55,6 +57,18 @@ fn word(ui: &Ui, area: Rect, (anchor, at): (Align2, egui::Pos2), words: &str) ->
     ground
 }
 
+/// The place of a word at the left of a picture's upper edge, below `top`.
+fn corner(area: Rect, top: f32) -> (Align2, egui::Pos2) {
+    let margin = theme::SPACE;
+    (Align2::LEFT_TOP, pos2(area.left() + margin, area.top().max(top) + margin))
+}
+
+/// Draws the time after the operation that a picture shows, of skin with a state. Returns its place.
+pub(super) fn time(ui: &Ui, area: Rect, top: f32, scene: &Scene) -> Vec<Rect> {
+    let words = when::in_words(scene);
+    words.iter().map(|words| word(ui, area, corner(area, top), words)).collect()
+}
+
 impl Viewport {
     /// The widget of the picture before; a drag there turns both.
     pub(super) fn interact_before(&mut self, ui: &Ui, area: Rect) -> Response {
@@ -64,22 +78,20 @@ impl Viewport {
         response
     }
 
-    /// Draws the body before in its area, and the words of both pictures. Returns the places of the words, and that of the border.
+    /// Draws the body before in its area, and the words of both pictures, that of the plan with its time. Returns the places of the words, and that of the
+    /// border.
     pub(super) fn draw_before(
         &self,
         ui: &Ui,
         (mesh, drawn): (&Arc<Mesh>, Drawn<'_>),
         [before, after]: [Rect; 2],
         (way, top): (Before, f32),
+        plan: &Scene,
     ) -> (Vec<Rect>, f32) {
         let none = Arc::default;
         let meshes = [none(), none(), none(), none(), Arc::clone(mesh)];
         let drawn = Drawn { number: BEFORE, meshes, ..drawn };
-        let margin = theme::SPACE;
-        let corner = |area: Rect| {
-            let below = area.top().max(top) + margin;
-            (Align2::LEFT_TOP, pos2(area.left() + margin, below))
-        };
+        let time = when::in_words(plan).unwrap_or_else(|| tr("after").to_owned());
         if way == Before::Beside {
             let between = before.union(after);
             ui.painter_at(between).line_segment(
@@ -93,8 +105,8 @@ impl Viewport {
             overlay::background(ui, &painter, before);
             self.draw(ui, &painter, before, drawn);
             let words = vec![
-                word(ui, before, corner(before), tr("before")),
-                word(ui, after, corner(after), tr("after")),
+                word(ui, before, corner(before, top), tr("before")),
+                word(ui, after, corner(after, top), &time),
             ];
             return (words, self.wipe);
         }
@@ -108,11 +120,11 @@ impl Viewport {
         let all = ui.painter_at(after);
         all.vline(x, after.y_range(), line);
         all.circle(pos2(x, after.center().y), GRIP, ui.visuals().panel_fill, line);
-        let below = after.top().max(top) + margin;
-        let beside = margin + 2.0;
+        let below = after.top().max(top) + theme::SPACE;
+        let beside = theme::SPACE + 2.0;
         let words = vec![
             word(ui, after, (Align2::RIGHT_TOP, pos2(x - beside, below)), tr("before")),
-            word(ui, after, (Align2::LEFT_TOP, pos2(x + beside, below)), tr("after")),
+            word(ui, after, (Align2::LEFT_TOP, pos2(x + beside, below)), &time),
         ];
         (words, wipe)
     }

@@ -351,11 +351,12 @@ impl Viewport {
         let (words, wipe) = match mesh_before {
             Some(mesh) => {
                 self.draw(ui, &painter, area, drawn.clone());
-                self.draw_before(ui, (&mesh, drawn), [before, area], (way, whole.top() + bar))
+                let way = (way, whole.top() + bar);
+                self.draw_before(ui, (&mesh, drawn), [before, area], way, session.scene())
             }
             None => {
                 self.draw(ui, &painter, area, drawn);
-                (Vec::new(), self.wipe)
+                (before::time(ui, area, whole.top() + bar, session.scene()), self.wipe)
             }
         };
         self.draw_envelope(ui, &painter, area, (session, section), envelope);

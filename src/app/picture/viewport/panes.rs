@@ -6,6 +6,7 @@ use super::{
 };
 use crate::app::answer::differing;
 use crate::app::plan::device::Device;
+use crate::app::plan::when;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::keep_press;
 use crate::scene::Scene;
@@ -113,9 +114,17 @@ impl Viewport {
         };
         // What differs beside the size, in a line below the title.
         let differs = differing::in_words(session, Device::of(ui.ctx()));
-        let caption = |title: String, scene: &Scene| match differs(scene) {
-            words if words.is_empty() => title,
-            words => format!("{title}\n{words}"),
+        let mut scenes = pins.iter().map(Subject::scene).chain([session.scene()]);
+        let has_times = scenes.any(when::has_state);
+        let caption = |title: String, scene: &Scene| {
+            let title = match has_times.then(|| when::time_in_words(scene)) {
+                Some(time) => format!("{title} · {}", time.to_lowercase()),
+                None => title,
+            };
+            match differs(scene) {
+                words if words.is_empty() => title,
+                words => format!("{title}\n{words}"),
+            }
         };
         let legend = |scale, plan: &Scene| of_legend(scale, plan, practices);
         let mut clicked = None;
