@@ -55,6 +55,8 @@ const study = (name, choices) =>
       const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
       const scene = JSON.parse(implantPreviewApi.opening_scene());
       scene.tissue_model = choices.model;
+      // A sheet has a flat wall.
+      if (choices.model === "sheet") delete scene.chest;
       const found = [];
       for (let run = 0; run < runs; run += 1) {
         // Another scene for each run: workers keep no results, but nothing should be known.
