@@ -84,8 +84,10 @@ impl PlanTimes {
         }
         group(ui, tr(TITLE), |ui| {
             let Some(table) = self.table(scene) else {
-                let (done, count) = self.study.progress();
-                remark(ui, tr!("{done} of {count} times computed.", done, count));
+                // They wait for the plan itself.
+                if let (done, count @ 1..) = self.study.progress() {
+                    remark(ui, tr!("{done} of {count} times computed.", done, count));
+                }
                 return;
             };
             before_after::show_table(ui, table, "times");
