@@ -128,92 +128,76 @@ fn has_shape(choices: &Choices) -> bool {
     choices.device == Device::Implant
 }
 
-/// The choice of the implant's shape.
-fn shape_field(scene: &Scene) -> Field {
+/// A choice of words, each with its name on the screen; `text` is the word of the present one.
+fn choice<const N: usize>(
+    (name, label): (&'static str, &'static str),
+    text: Option<&str>,
+    hint: &'static str,
+    choices: [(&'static str, &'static str); N],
+) -> Field {
     Field {
-        name: SHAPE,
-        label: tr("Implant"),
+        name,
+        label: tr(label),
         unit: "",
-        text: shape::choice(scene).to_owned(),
-        hint: tr(
-            "Shape of the implant: round; anatomical, with a height of its own and a lower apex.",
-        )
-        .to_owned(),
+        text: text.unwrap_or_default().to_owned(),
+        hint: tr(hint).to_owned(),
         range: String::new(),
         values: Values::Words {
-            choices: shape::CHOICES.map(|(word, _)| word).to_vec(),
-            words: shape::CHOICES.map(|(word, _)| tr(word)).to_vec(),
+            choices: choices.map(|(word, _)| word).to_vec(),
+            words: choices.map(|(_, name)| tr(name)).to_vec(),
         },
     }
+}
+
+/// The choice of the implant's shape.
+fn shape_field(scene: &Scene) -> Field {
+    choice(
+        (SHAPE, "Implant"),
+        Some(shape::choice(scene)),
+        "Shape of the implant: round; anatomical, with a height of its own and a lower apex.",
+        shape::CHOICES.map(|(word, _)| (word, word)),
+    )
 }
 
 /// The choice of the implant's fill; empty for a gel by its numbers.
 fn fill_field(scene: &Scene) -> Field {
-    Field {
-        name: FILL,
-        label: tr("Filled with"),
-        unit: "",
-        text: fill::choice(scene).unwrap_or_default().to_owned(),
-        hint: tr("How far the implant yields under the tissue: gel that is form-stable, cohesive or soft, saline, or rigid.")
-            .to_owned(),
-        range: String::new(),
-        values: Values::Words {
-            choices: fill::CHOICES.map(|(word, ..)| word).to_vec(),
-            words: fill::CHOICES.map(|(_, _, name, _)| tr(name)).to_vec(),
-        },
-    }
+    choice(
+        (FILL, "Filled with"),
+        fill::choice(scene),
+        "How far the implant yields under the tissue: gel that is form-stable, cohesive or soft, saline, or rigid.",
+        fill::CHOICES.map(|(word, _, name, _)| (word, name)),
+    )
 }
 
 /// The class of the skin; empty with a measured pull or with values set by hand.
 fn skin(scene: &Scene) -> Field {
-    Field {
-        name: SKIN,
-        label: tr("Skin feels"),
-        unit: "",
-        text: scene.measured().skin_class.map_or("", SkinClass::word).to_owned(),
-        hint: tr("Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
-               very lax more than 4 cm.")
-            .to_owned(),
-        range: String::new(),
-        values: Values::Words {
-            choices: SkinClass::ALL.map(SkinClass::word).to_vec(),
-            words: SkinClass::ALL.map(|class| tr(class.word())).to_vec(),
-        },
-    }
+    choice(
+        (SKIN, "Skin feels"),
+        scene.measured().skin_class.map(SkinClass::word),
+        "Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
+               very lax more than 4 cm.",
+        SkinClass::ALL.map(|class| (class.word(), class.word())),
+    )
 }
 
 /// The choice of the chest; empty for radii of their own.
 fn chest_field(scene: &Scene) -> Field {
-    Field {
-        name: CHEST,
-        label: tr("Chest"),
-        unit: "",
-        text: chest::choice(scene).unwrap_or_default().to_owned(),
-        hint: tr("Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and 60 cm along; torso, by what a tape measures.")
-            .to_owned(),
-        range: String::new(),
-        values: Values::Words {
-            choices: chest::CHOICES.map(|(word, ..)| word).to_vec(),
-            words: chest::CHOICES.map(|(word, ..)| tr(word)).to_vec(),
-        },
-    }
+    choice(
+        (CHEST, "Chest"),
+        chest::choice(scene),
+        "Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and 60 cm along; torso, by what a tape measures.",
+        chest::CHOICES.map(|(word, ..)| (word, word)),
+    )
 }
 
 /// The choice of whether the void of the pocket is limited.
 fn fluid_field(scene: &Scene) -> Field {
-    Field {
-        name: FLUID,
-        label: tr("Fluid in the pocket"),
-        unit: "",
-        text: pocket::fluid_choice(scene).to_owned(),
-        hint: tr("The ring between the implant's rim and the pocket's edge: as large as it gets, or with so much fluid at most.")
-            .to_owned(),
-        range: String::new(),
-        values: Values::Words {
-            choices: pocket::FLUIDS.map(|(word, ..)| word).to_vec(),
-            words: pocket::FLUIDS.map(|(_, name, _)| tr(name)).to_vec(),
-        },
-    }
+    choice(
+        (FLUID, "Fluid in the pocket"),
+        Some(pocket::fluid_choice(scene)),
+        "The ring between the implant's rim and the pocket's edge: as large as it gets, or with so much fluid at most.",
+        pocket::FLUIDS.map(|(word, name, _)| (word, name)),
+    )
 }
 
 /// Sets a field from its text. A number may have a decimal comma and a unit.
