@@ -100,6 +100,17 @@ fn tight_skin_that_lifts_the_inner_face_beside_a_steep_implant_has_a_shape() {
     assert!(case.case.least_volume_ratio.unwrap() > 0.8);
 }
 
+/// Skin of a strain scale of 0.24 over 0.78 R: the second grid has shapes under the rising dome, all of which the third one loses in its first
+/// cycles but one at 0.7 of the height. The scene had no answer.
+#[test]
+fn a_rise_goes_on_from_the_dome_that_a_finer_grid_does_not_lose() {
+    let clinical = Clinical { has_terrain: true, nodes_per_side: 65, ..Clinical::default() };
+    let case = clinical.run(11, 1504, None);
+    assert_eq!(case.case.ending, Ending::Converged);
+    assert!(!case.by_newton && case.attempts > 3 && case.case.findings.is_empty());
+    assert!(case.case.work_units <= 1000.0, "{}", case.case.work_units);
+}
+
 #[test]
 fn random_bodies_converge_by_multigrid() {
     let clinical = Clinical { has_terrain: true, nodes_per_side: 33, ..Clinical::default() };

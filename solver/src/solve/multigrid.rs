@@ -2,8 +2,8 @@
 
 use super::Problem;
 use super::fas::{
-    Ending, FullMultigrid, LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING,
-    LAYERED_RISING_FINER, MEMBRANE, MEMBRANE_GENTLE, State, Stop,
+    Ending, FullMultigrid, LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE,
+    MEMBRANE_GENTLE, State, Stop,
 };
 use super::problem::Tissue;
 use super::validity::Invalid;
@@ -16,6 +16,9 @@ use crate::model::membrane::law::SheetLaw;
 use crate::springs::Springs;
 use glam::DVec3;
 use std::sync::Arc;
+
+/// The most attempts for layered tissue over a chest or of uneven thickness.
+const MOST_ATTEMPTS: u32 = 10;
 
 /// The laws of a problem.
 #[derive(Clone, Debug)]
@@ -157,8 +160,8 @@ impl Multigrid {
     }
 
     /// Starts another attempt, by other constants; false after the last attempt: of a sheet the second, of the paper's springs the
-    /// first; of layered tissue the second over even tissue on a flat wall, else the fourth (on few nodes the third), unless one ended slowly near
-    /// its solution, as skin in folds does in a hollow.
+    /// first; of layered tissue over even tissue on a flat wall the second, else the third and those that go on from a dome of its rise, unless one
+    /// ended slowly near its solution, as skin in folds does in a hollow.
     pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
         let scheme = match self {
             Self::Sheet(scheme) => {
@@ -178,7 +181,7 @@ impl Multigrid {
             2 if only_stiffens => &LAYERED_FRESH,
             2 => &LAYERED_GENTLE,
             3 if !is_even => &LAYERED_RISING,
-            4 if !is_even && scheme.rises_higher(&LAYERED_RISING_FINER) => &LAYERED_RISING_FINER,
+            4..=MOST_ATTEMPTS if !is_even => return scheme.rise_on(problem, stop),
             _ => return false,
         };
         scheme.start_again(parameters, problem, stop);

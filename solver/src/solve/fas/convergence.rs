@@ -171,7 +171,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         if is_slow && self.grid > 0 && (is_far || self.is_slow_again()) {
             self.mode = Mode::Robust;
         }
-        if self.grid == self.rising_grid() && !self.ascent.is_empty() {
+        if self.grid == self.rising_grid && !self.ascent.is_empty() {
             self.check_step()
         } else if self.is_on_finest() {
             self.check_solution()
@@ -212,12 +212,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
         State::Working
     }
 
-    /// Ends a cycle of the finest grid under a dome that is to rise further, whose solution is only a start.
+    /// Ends a cycle of the rising grid under a dome that is to rise further, whose solution is only a start.
     fn check_step(&mut self) -> State {
         let Self { convergence, reference_length, parameters, .. } = self;
-        if convergence.ending.error <= parameters.rising_tolerance * *reference_length {
+        let &mut Convergence { cycles, last_change, .. } = convergence;
+        let is_near = last_change <= parameters.rising_change * *reference_length;
+        if is_near && cycles >= parameters.cycles_of_step {
             self.raise();
-        } else if convergence.cycles >= parameters.max_cycles_of_step {
+        } else if cycles >= parameters.max_cycles_of_step {
             return State::Failed;
         } else {
             self.mix();

@@ -6,7 +6,7 @@
 //! grids inherit the set by restriction.
 //!
 //! `cycle` (the V-cycle as a schedule) | `convergence` (error estimate, endings) | `parameters` | `level` (one
-//! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `shape` (an implant that yields) |
+//! grid) | `smoother` | `transfer` | `positions` (the solution in mm) | `rise` (a dome that rises) | `shape` (an implant that yields) |
 //! `continuation` (from the solution of another problem).
 
 mod continuation;
@@ -15,6 +15,7 @@ mod cycle;
 mod level;
 mod parameters;
 mod positions;
+mod rise;
 mod shape;
 mod smoother;
 #[cfg(test)]
@@ -34,9 +35,9 @@ use glam::DVec3;
 use level::Level;
 use parameters::Parameters;
 pub(super) use parameters::{
-    LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, LAYERED_RISING_FINER, MEMBRANE,
-    MEMBRANE_GENTLE,
+    LAYERED, LAYERED_FRESH, LAYERED_GENTLE, LAYERED_RISING, MEMBRANE, MEMBRANE_GENTLE,
 };
+use rise::{Ascent, Landing, standing};
 use shape::Yielded;
 use std::iter::successors;
 
@@ -104,19 +105,14 @@ pub(super) struct FullMultigrid<M: ElasticModel> {
     before_growth: (u32, Option<f64>),
     /// See [`Self::is_continued`].
     is_continued: bool,
+    /// The grid on which a dome rises.
+    rising_grid: usize,
     /// The rest of the way of a rising dome, the last step first.
     ascent: Vec<Ascent>,
+    /// The solutions of coarser grids under lower domes of this rise.
+    landings: Vec<Landing>,
     /// The implant, if it yields.
     yielded: Option<Yielded>,
-}
-
-/// A step of a rising dome.
-#[derive(Clone, Debug)]
-struct Ascent {
-    /// The obstacle after the step \[mm\].
-    obstacle: Obstacle,
-    /// Move of every column of the rising grid by the initial guesses before and after the step \[spacings\].
-    moves: Vec<DVec3>,
 }
 
 impl<M: ElasticModel> FullMultigrid<M> {
@@ -167,7 +163,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
             work_units: 0.0,
             before_growth: (0, None),
             is_continued: false,
+            rising_grid: 0,
             ascent: Vec::new(),
+            landings: Vec::new(),
             yielded: None,
             levels,
             model,
@@ -289,24 +287,14 @@ impl<M: ElasticModel> FullMultigrid<M> {
         }
         let finest = self.levels.len() - 1;
         let first = self.parameters.first_grid.min(finest);
-        let standing = |part: &f64| match *part {
-            1.0 => obstacle.clone(),
-            part => Obstacle { dome: obstacle.dome.lowered_to(part), ..obstacle.clone() },
-        };
-        let lowest = standing(&self.parameters.rise[0]);
+        let lowest = standing(obstacle, self.parameters.rise[0]);
         self.place(&lowest);
         for level in &mut self.levels[..=first] {
             level.start_from_geometry(problem, &lowest.dome);
         }
-        self.ascent.clear();
-        let rising = self.rising_grid();
-        for pair in self.parameters.rise.windows(2).rev() {
-            let [before, obstacle] = [&pair[0], &pair[1]].map(standing);
-            let level = &self.levels[rising];
-            let [from, to] = [&before, &obstacle].map(|at| level.guess(problem, &at.dome));
-            let moves = to.iter().zip(from).map(|(to, from)| *to - from).collect();
-            self.ascent.push(Ascent { obstacle, moves });
-        }
+        self.landings.clear();
+        self.rising_grid = self.parameters.rising_grid.min(finest);
+        self.plan_ascent(problem, obstacle, self.parameters.rise);
         for level in &mut self.levels[..first] {
             // Later cycles use the blocks of the start on grids that are not solved by themselves.
             level.invert_blocks(&self.model);
@@ -354,26 +342,6 @@ impl<M: ElasticModel> FullMultigrid<M> {
             let spacing = self.spacing * f64::from(1 << (finest - l));
             level.place(obstacle.scaled(1.0 / spacing));
         }
-    }
-
-    /// The grid on which a dome rises.
-    fn rising_grid(&self) -> usize {
-        self.parameters.rising_grid.min(self.levels.len() - 1)
-    }
-
-    /// Does the dome of these constants rise on another grid than the coarser one of the attempt before?
-    pub(super) fn rises_higher(&self, parameters: &Parameters) -> bool {
-        self.levels.len() > parameters.rising_grid
-    }
-
-    /// Raises the dome by a step on its grid.
-    fn raise(&mut self) {
-        let Some(Ascent { obstacle, moves }) = self.ascent.pop() else { return };
-        self.place(&obstacle);
-        self.levels[self.grid].move_columns(&moves);
-        // That of a lower dome.
-        self.has_coarse_solution = false;
-        self.begin_grid(self.grid);
     }
 
     fn begin_grid(&mut self, grid: usize) {

@@ -30,6 +30,10 @@ impl Yielded {
         self.own.modes
     }
 
+    pub(super) fn set_modes(&mut self, modes: Modes<f64>) {
+        self.own.modes = modes;
+    }
+
     /// The obstacle with the present numbers of the implant.
     pub(super) fn in_place(&self, obstacle: &Obstacle) -> Obstacle {
         let mut obstacle = obstacle.clone();
