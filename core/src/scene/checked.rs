@@ -153,7 +153,10 @@ impl CheckedScene {
                 if let Some(field) = &self.thickness {
                     rest = rest.thickened(field.clone());
                 }
-                let rest = rest.tapered(self.scene.muscle_taper(&self.materials));
+                let skin_mm = materials.first().map_or(0.0, |skin| skin.thickness_mm);
+                let rest = rest
+                    .tapered(self.scene.muscle_taper(&self.materials))
+                    .weighed(body.posture.change_of_weight(skin_mm));
                 (Tissue::Layered, rest.stretched(self.natural).growing(body.skin_state.grown))
             }
         };

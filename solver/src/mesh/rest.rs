@@ -5,7 +5,8 @@
 
 use super::taper::Column;
 use super::{
-    Chest, Grown, NaturalStretch, NodeKind, Sheet, Taper, ThicknessField, coarser_nodes_per_side,
+    Chest, Grown, NaturalStretch, NodeKind, Sheet, Taper, ThicknessField, Weight,
+    coarser_nodes_per_side,
 };
 use glam::{DMat2, DVec2, DVec3};
 use std::cell::LazyCell;
@@ -41,6 +42,8 @@ pub struct Rest {
     /// Foot \[mm\] and direction of each column, whose length is the factor of the thickness; empty for even thickness over a
     /// flat wall.
     columns: Arc<[(DVec3, DVec3)]>,
+    /// Change of the tissue's weight since it was measured.
+    weight: Weight,
     /// Of the skin of layered tissue; `None`: the skin is without stress at rest.
     natural: Option<NaturalStretch>,
     /// Fraction of the skin's logarithmic stretch by the implant that its growth takes over \[-\].
@@ -80,6 +83,7 @@ impl Rest {
             thickness: None,
             taper: None,
             columns: Arc::default(),
+            weight: Weight::default(),
             natural: None,
             growth: 0.0,
             grown: None,
@@ -110,6 +114,18 @@ impl Rest {
     /// Do the layers have thicknesses of their own from place to place?
     pub(crate) fn is_tapered(&self) -> bool {
         self.taper.is_some()
+    }
+
+    /// The same layers, whose weight has changed since they were measured; layered tissue only.
+    #[must_use]
+    pub fn weighed(self, weight: Weight) -> Self {
+        Self { weight, ..self }
+    }
+
+    /// Change of the tissue's weight since it was measured.
+    #[must_use]
+    pub fn weight(&self) -> Weight {
+        self.weight
     }
 
     /// The same layers under skin that is stretched at rest; layered tissue only.
@@ -206,7 +222,10 @@ impl Rest {
         let thickness = field.map_or([true; 2], ThicknessField::mirrored);
         let natural = self.natural().map_or([true; 2], NaturalStretch::mirrored);
         let taper = [true, self.taper.is_none_or(|taper| taper.is_whole())];
-        [0, 1].map(|axis| wall[axis] && thickness[axis] && natural[axis] && taper[axis])
+        let weight = self.weight.mirrored();
+        [0, 1].map(|axis| {
+            wall[axis] && thickness[axis] && natural[axis] && taper[axis] && weight[axis]
+        })
     }
 
     /// Is the tissue the same but for the grid?
@@ -214,7 +233,7 @@ impl Rest {
         self.sheet.radius_mm().to_bits() == other.sheet.radius_mm().to_bits()
             && self.cells == other.cells
             && (&self.chest, &self.thickness) == (&other.chest, &other.thickness)
-            && self.taper == other.taper
+            && (self.taper, self.weight) == (other.taper, other.weight)
             && (&self.natural, &self.grown) == (&other.natural, &other.grown)
     }
 

@@ -289,7 +289,8 @@ impl Solver {
         let Problem { rest, obstacle, tissue, tolerance, .. } = &*self.problem;
         let (sheet, n) = (rest.sheet(), rest.sheet().nodes_per_side());
         let at = |i: usize, j: usize| rest.node(0, j * n + i);
-        self.error_at_rest() <= REST_TOLERANCE * tolerance
+        rest.weight().is_none()
+            && self.error_at_rest() <= REST_TOLERANCE * tolerance
             && validity::invalid((sheet, *tissue), &obstacle.dome, *tolerance, [0; 2], at).is_none()
     }
 

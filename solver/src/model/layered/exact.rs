@@ -25,8 +25,9 @@ pub struct Exact<'a> {
     pub law: &'a LayeredLaw,
     pub pocket: Pocket,
     pub attachment: Option<Attachment>,
-    /// Forces of the skin at rest on its nodes \[kPa·mm²\], which a dead load holds; empty where they are zero.
-    pub at_rest: Cow<'a, [DVec3]>,
+    /// Forces at rest on the nodes of all layers \[kPa·mm²\], which a dead load holds: those of the skin, less a change of weight. Empty
+    /// where they are zero, of all layers or of one.
+    pub at_rest: Cow<'a, [Vec<DVec3>]>,
 }
 
 /// The deformation in the middle of a cell.
@@ -161,12 +162,15 @@ impl<'a> Exact<'a> {
         pocket: Pocket,
         attachment: Option<Attachment>,
     ) -> Self {
-        let mut at_rest = Vec::new();
+        let mut at_rest = rest.change_of_weight();
+        at_rest.iter_mut().flatten().for_each(|force| *force = -*force);
         if rest.natural().is_some() {
-            let x: Vec<DVec3> = rest.nodes(rest.layers() - 1).collect();
-            at_rest.resize(x.len(), DVec3::ZERO);
+            at_rest.resize(rest.layers(), Vec::new());
+            let top = rest.layers() - 1;
+            let x: Vec<DVec3> = rest.nodes(top).collect();
+            at_rest[top].resize(x.len(), DVec3::ZERO);
             let skin = rest.membrane_before_growth();
-            assembly::forces(skin, &law.skin, &x, &mut at_rest);
+            assembly::forces(skin, &law.skin, &x, &mut at_rest[top]);
         }
         Self { rest, law, pocket, attachment, at_rest: at_rest.into() }
     }
@@ -258,8 +262,8 @@ impl Exact<'_> {
             &x[x.len() - 1],
             &mut forces[x.len() - 1],
         );
-        for (force, at_rest) in forces[x.len() - 1].iter_mut().zip(&*self.at_rest) {
-            *force -= *at_rest;
+        for (forces, at_rest) in forces.iter_mut().zip(&*self.at_rest) {
+            forces.iter_mut().zip(at_rest).for_each(|(force, at_rest)| *force -= *at_rest);
         }
         self.each(places, x, |element| {
             let layer = element.layer;
@@ -299,10 +303,10 @@ impl Exact<'_> {
             let of_skin =
                 assembly::forces_at(self.rest.membrane(), &self.law.skin, x[0], part, wanted);
             forces.iter_mut().zip(of_skin).for_each(|(force, skin)| *force += skin);
-            if !self.at_rest.is_empty() {
-                let nodes = part.nodes().map(|k| self.at_rest[k]);
-                forces.iter_mut().zip(nodes).for_each(|(force, at_rest)| *force -= at_rest);
-            }
+        }
+        if let Some(at_rest) = self.at_rest.first().filter(|at_rest| !at_rest.is_empty()) {
+            let nodes = part.nodes().map(|k| at_rest[k]);
+            forces.iter_mut().zip(nodes).for_each(|(force, at_rest)| *force -= at_rest);
         }
         forces
     }
@@ -396,8 +400,10 @@ impl Exact<'_> {
     pub fn energy(&self, places: &[Place], x: &[Vec<DVec3>]) -> f64 {
         let top = x.len() - 1;
         let mut energy = assembly::energy(self.rest.membrane(), &self.law.skin, &x[top]);
-        for (k, at_rest) in self.at_rest.iter().enumerate() {
-            energy += at_rest.dot(x[top][k] - self.rest.node(top, k));
+        for (layer, at_rest) in self.at_rest.iter().enumerate() {
+            for (k, at_rest) in at_rest.iter().enumerate() {
+                energy += at_rest.dot(x[layer][k] - self.rest.node(layer, k));
+            }
         }
         let area = self.sheet().spacing_mm().powi(2);
         self.each(places, x, |element| {

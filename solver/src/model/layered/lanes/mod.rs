@@ -63,6 +63,8 @@ pub(crate) struct Layered {
     /// What has grown of the skin, on the finest grid.
     grown: Option<Grown>,
     suction: Option<OnFinest>,
+    /// The tissue on the finest grid, if its weight has changed.
+    weighed: Option<Rest>,
     /// The skin's stiffness \[kPa·mm\].
     stiffness: f64,
 }
@@ -80,7 +82,7 @@ struct CellLayer {
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     skin: SkinScratch,
-    /// Forces of the skin at rest, on its layer of nodes: a dead load holds them. Empty where they are zero.
+    /// Forces at rest, on the skin's layer of nodes or on all: a dead load holds them. Empty where they are zero.
     at_rest: Field,
     border: Border,
     shapes: Shapes,
@@ -135,6 +137,7 @@ impl Layered {
             natural: rest.natural().copied(),
             grown: rest.grown().cloned(),
             suction: None,
+            weighed: (!rest.weight().is_none()).then(|| rest.clone()),
             stiffness,
         }
     }
@@ -154,12 +157,49 @@ impl Layered {
         rest.map_or_else(|| skin(&layout.plane()), skin)
     }
 
-    /// Sets the forces of the skin at rest.
-    fn load_at_rest(&self, layout: &Layout, rest: Option<&Arc<Rest>>, scratch: &mut Scratch) {
-        scratch.at_rest = Field::default();
-        if self.natural.is_none() {
-            return;
-        }
+    /// Sets the forces at rest: those of the skin, less the change of weight.
+    fn load_at_rest(
+        &self,
+        (layout, spacing): (&Layout, f64),
+        rest: Option<&Arc<Rest>>,
+        scratch: &mut Scratch,
+    ) {
+        scratch.at_rest = match (&self.weighed, self.natural) {
+            (None, None) => Field::default(),
+            (None, Some(_)) => self.skin_forces_at_rest(layout, rest, scratch),
+            (Some(finest), natural) => {
+                let on_grid = finest.restricted(layout.nodes_per_side);
+                let mut load = Field::new(layout.len(), self.layers());
+                let unit = 1.0 / (self.stiffness * spacing);
+                for (layer, weight) in on_grid.change_of_weight().iter().enumerate() {
+                    layout.free_rows(|j, from, to| {
+                        for i in from..to {
+                            let at = layer * layout.len() + j * layout.pitch + i;
+                            let force = weight[layout.node(i, j)] * -unit;
+                            load.x[at] = force.x as f32;
+                            load.y[at] = force.y as f32;
+                            load.z[at] = force.z as f32;
+                        }
+                    });
+                }
+                if natural.is_some() {
+                    // Minus the forces of the skin at rest, subtracted once more.
+                    let mut of_skin = self.skin_forces_at_rest(layout, rest, scratch);
+                    of_skin.planes_mut().for_each(|plane| plane.iter_mut().for_each(|v| *v = -*v));
+                    load.subtract_from_last_plane(&of_skin);
+                }
+                load
+            }
+        };
+    }
+
+    /// Forces of the skin at rest, on its layer of nodes.
+    fn skin_forces_at_rest(
+        &self,
+        layout: &Layout,
+        rest: Option<&Arc<Rest>>,
+        scratch: &mut Scratch,
+    ) -> Field {
         let zero = Field::new(layout.len(), self.layers());
         let (mut forces, mut at_rest) = (zero.clone(), Field::new(layout.len(), 1));
         if self.grown.is_some() {
@@ -169,7 +209,7 @@ impl Layered {
             self.skin.forces(layout, &zero, &mut forces, &mut scratch.skin);
         }
         at_rest.copy_last_plane_from(&forces);
-        scratch.at_rest = at_rest;
+        at_rest
     }
 }
 
@@ -265,7 +305,7 @@ impl ElasticModel for Layered {
             self.grow(layout, rest, scratch);
         }
         // The law may have changed.
-        self.load_at_rest(layout, rest, scratch);
+        self.load_at_rest((layout, spacing), rest, scratch);
         self.draw((layout, spacing), scratch);
         if is_same_rest && scratch.geometry == Some(geometry) {
             return;

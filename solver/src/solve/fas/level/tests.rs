@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::curve::CurveSpec;
-use crate::mesh::{Attachment, Chest, NaturalStretch, Pocket, Sheet};
+use crate::mesh::{Attachment, Chest, NaturalStretch, Pocket, Sheet, Weight};
 use crate::model::layered::LayeredLaw;
 use crate::model::layered::exact::Exact;
 use crate::model::layered::lanes::Layered;
@@ -105,6 +105,8 @@ fn compare_layered_forces(
     let law = LayeredLaw::new(&materials);
     let n = 33;
     let rest = Rest::layered(Sheet::new(n, 80.0), &[5.0, 8.0], 3).over(chest).stretched(natural);
+    let weight = Weight { per_volume: DVec3::new(0.0, -0.1, 0.06), skin_mm: 1.5 };
+    let rest = rest.weighed(Some(weight).filter(|_| pocket.is_lowered()).unwrap_or_default());
     let sheet = rest.sheet();
     let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
     let exact = Exact::new(&rest, &law, pocket, attachment);

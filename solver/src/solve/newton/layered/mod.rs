@@ -35,7 +35,7 @@ pub(in crate::solve) struct LayeredSystem {
     pocket: Option<Pocket>,
     tangent: Tangent,
     /// See [`Exact::at_rest`].
-    at_rest: Vec<DVec3>,
+    at_rest: Vec<Vec<DVec3>>,
     /// The suction of a void, and the inner face at which its second derivatives are taken.
     suction: Option<Suction>,
     inner_face: Vec<DVec3>,
@@ -49,7 +49,7 @@ pub(in crate::solve) struct LayeredSystem {
 }
 
 impl<'a> LayeredCase<'a> {
-    fn exact(&self, grid: &'a Grid, at_rest: &'a [DVec3]) -> Exact<'a> {
+    fn exact(&self, grid: &'a Grid, at_rest: &'a [Vec<DVec3>]) -> Exact<'a> {
         let (pocket, attachment) = (self.patch.pocket(), self.patch.attachment());
         let at_rest = at_rest.into();
         Exact { rest: &grid.rest, law: self.law, pocket, attachment, at_rest }
