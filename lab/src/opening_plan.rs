@@ -1,11 +1,11 @@
-//! The plan that the app opens on, part by part: what plane, void, tension, time and fill each cost and bring.
+//! The plan that the app opens on, part by part: what plane, void, new fold, posture, tension, time and fill each cost and bring.
 //!
 //! Uses `scene`, `simulate`. Used by the command line and the tests.
 
 use crate::solved;
 use implant_preview_core::clinical::When;
 use implant_preview_core::measure::Outcome;
-use implant_preview_core::scene::{Fill, Plane, Scene, SceneError};
+use implant_preview_core::scene::{Fill, Plane, Posture, Scene, SceneError};
 use implant_preview_core::simulate::Simulator;
 use std::fmt::Write;
 
@@ -15,6 +15,8 @@ pub const NODES_PER_SIDE: usize = 65;
 const TENSION_N_PER_M: f64 = 20.0;
 /// Void of the pocket \[ml\]: what fluid is left after days.
 const VOID_ML: f64 = 10.0;
+/// How much lower the new fold is \[mm\].
+const NEW_FOLD_MM: f64 = 14.0;
 
 /// A column: title with its unit, decimals, value of a result.
 type Column = (&'static str, usize, fn(&Outcome) -> Option<f64>);
@@ -64,12 +66,22 @@ fn forms() -> Result<Vec<(String, Scene)>, SceneError> {
     };
     let mut closed = filled(Fill::Cohesive, &plain);
     closed.body.pocket_void_ml = Some(VOID_ML);
+    let posed = |posture| {
+        let mut scene = filled(Fill::Cohesive, &plain);
+        scene.body.posture = posture;
+        scene
+    };
+    let mut lowered = filled(Fill::Cohesive, &plain);
+    lowered.body.pocket_lowered_mm = NEW_FOLD_MM;
     let mut all = vec![
         ("rigid, skin without a tension".to_owned(), plain.clone()),
         ("cohesive".to_owned(), filled(Fill::Cohesive, &plain)),
         ("cohesive, dual plane II".to_owned(), under(Plane::DualPlaneIi)),
         ("cohesive, below the muscle".to_owned(), under(Plane::Below)),
         (format!("cohesive, a void of {VOID_ML} ml"), closed),
+        (format!("cohesive, new fold {NEW_FOLD_MM} mm lower"), lowered),
+        ("cohesive, standing".to_owned(), posed(Posture::Standing)),
+        ("cohesive, lying".to_owned(), posed(Posture::Lying)),
         (format!("skin under {TENSION_N_PER_M} N/m"), tense.clone()),
     ];
     for when in [When::Week, When::SixMonths] {

@@ -83,6 +83,7 @@ describe("the form of the plan", { timeout: 10 * harness.PATIENCE }, () => {
       "Up (cm)",
       "In place (%)",
       "Fluid in the pocket",
+      "Posture",
       "Patient no.",
       "Side",
       "Date of the visit",

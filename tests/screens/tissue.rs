@@ -194,6 +194,22 @@ fn fluid_beside_the_implant_is_limited_by_a_chip_and_a_number_and_freed_again() 
 }
 
 #[test]
+fn a_posture_is_a_choice_in_which_the_implant_bears_more() {
+    let mut harness = app(WIDE, |scene| *scene = flat_plan());
+    unfold(&mut harness, "Tissue");
+    press(&mut harness, "Pin as A");
+    let force = |harness: &Harness<'static, App>| {
+        harness.state().outcome().unwrap().contact_force_n.unwrap()
+    };
+    let before = force(&harness);
+    press(&mut harness, "Lying");
+    assert!(force(&harness) > before, "{} {before}", force(&harness));
+    assert!(text_with(&harness, "Posture: this plan lying; A as measured").is_some());
+    press(&mut harness, "As measured");
+    assert!((force(&harness) - before).abs() < 1e-9);
+}
+
+#[test]
 fn a_new_fold_is_a_number_of_the_plan_that_eases_the_tissue() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");

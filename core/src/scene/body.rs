@@ -39,7 +39,7 @@ pub struct Body {
     /// Greatest void between tissue, implant and wall within the pocket \[ml\]; `None`: as large as it gets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pocket_void_ml: Option<f64>,
-    /// The posture in which the body was measured and is shown.
+    /// The posture in which the body is shown; it was measured standing.
     #[serde(skip_serializing_if = "is_default")]
     pub posture: Posture,
 }

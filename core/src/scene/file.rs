@@ -175,7 +175,7 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "given")]
     #[schemars(with = "f64")]
     pub(super) pocket_void_ml: Option<f64>,
-    /// Direction of the weight of an implant that yields. Default: `none`, no weight.
+    /// Direction of weight: of an implant that yields, and of the tissue, which was measured standing. Default: `none`, no weight.
     #[serde(default, deserialize_with = "present")]
     pub(super) posture: Posture,
     /// Time after the operation, in place of `skin_state.relaxed` and `skin_state.grown`. A written scene has those.

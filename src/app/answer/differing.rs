@@ -6,7 +6,7 @@
 use crate::app::plan::device::Device;
 use crate::app::plan::when::{tension_in_words, time_in_words};
 use crate::app::plan::{
-    chest_in_words, fill_in_words, fluid_in_words, plane_in_words, shape_in_words,
+    chest_in_words, fill_in_words, fluid_in_words, plane_in_words, posture_in_words, shape_in_words,
 };
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::quantity::format_at_most;
@@ -38,7 +38,7 @@ use Value::{Number, Shape, Words};
 
 const BREAST: &str = "Breast";
 
-const GIVEN: [Given; 15] = [
+const GIVEN: [Given; 16] = [
     Given { name: BREAST, unit: "", value: Words(side), is_in_captions: true },
     Given { name: "Implant", unit: "", value: Words(reference), is_in_captions: false },
     Given { name: "Shape", unit: "", value: Shape, is_in_captions: false },
@@ -65,6 +65,7 @@ const GIVEN: [Given; 15] = [
         value: Words(time_in_words),
         is_in_captions: false,
     },
+    Given { name: "Posture", unit: "", value: Words(posture_in_words), is_in_captions: true },
     Given { name: "Chest", unit: "", value: Words(chest_in_words), is_in_captions: true },
     Given { name: "Margin of the pocket", unit: "cm", value: Words(margin), is_in_captions: true },
     Given {

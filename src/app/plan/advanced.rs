@@ -2,7 +2,7 @@
 //! springs.
 
 use super::device::Device;
-use super::{fat, fill, pocket, when};
+use super::{fat, fill, pocket, posture, when};
 use crate::app::answer::stability;
 use crate::app::curve_editor;
 use crate::app::frame::research;
@@ -18,7 +18,7 @@ use eframe::egui::{self, RichText, Ui};
 const ACCURACIES: [(&str, usize, f64); 3] =
     [("Fast", 65, 1e-3), ("Normal", 129, 1e-4), ("Fine", 257, 1e-4)];
 
-/// Shows the fold of the tissue, closed at first: what `add` shows, the implant's fill, fat, skin at rest and time, layers with their curves. Returns the layer whose points are to
+/// Shows the fold of the tissue, closed at first: what `add` shows, the implant's fill, fat, skin at rest, time and posture, layers with their curves. Returns the layer whose points are to
 /// be edited.
 pub(crate) fn tissue(
     ui: &mut Ui,
@@ -40,6 +40,7 @@ pub(crate) fn tissue(
         pocket::plane(ui, scene, hand);
         pocket::fluid(ui, scene, hand);
         when::show(ui, scene, hand);
+        posture::show(ui, scene, hand);
         layers(ui, scene)
     });
     set_accessible_name(&fold.header_response, egui::Role::DisclosureTriangle, tr("Tissue"));

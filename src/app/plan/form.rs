@@ -4,7 +4,7 @@
 use super::field::{Field, Values};
 use super::{
     Choices, Device, chest, fill, format_at_most, implant, insertion, mm, patient, plain, pocket,
-    position, set_insertion, shape, visit,
+    position, posture, set_insertion, shape, visit,
 };
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
@@ -68,6 +68,7 @@ const SKIN: &str = "skin";
 const CHEST: &str = "chest";
 const FLUID: &str = "fluid";
 const FLUID_ML: &str = "fluid_ml";
+const POSTURE: &str = "posture";
 
 /// The name of a plain number: the last one of its path.
 fn name_of(number: Row) -> &'static str {
@@ -114,6 +115,7 @@ pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
             fields.extend(scene.is_layered().then(|| chest_field(scene)));
         }
     }
+    fields.extend(scene.is_layered().then(|| posture_field(scene)));
     fields.extend(visit::form_fields(scene));
     fields
 }
@@ -200,6 +202,18 @@ fn fluid_field(scene: &Scene) -> Field {
     )
 }
 
+/// The choice of the posture.
+fn posture_field(scene: &Scene) -> Field {
+    let words = posture::POSTURES.map(|(posture, word, name, _)| (posture, word, name));
+    let present = words.into_iter().find(|(posture, ..)| *posture == scene.body.posture);
+    choice(
+        (POSTURE, "Posture"),
+        present.map(|(_, word, _)| word),
+        "Whether weight counts, and in which direction: the tissue was measured standing.",
+        words.map(|(_, word, name)| (word, name)),
+    )
+}
+
 /// Sets a field from its text. A number may have a decimal comma and a unit.
 ///
 /// # Errors
@@ -253,6 +267,15 @@ pub(crate) fn set(
             tr!("Fluid in the pocket: allowed: {words}", words = words.join(", "))
         })?;
         pocket::limit_fluid(scene, found == 1);
+        return Ok(());
+    }
+    if name == POSTURE && scene.is_layered() {
+        let choices = posture::POSTURES;
+        let found = choices.into_iter().find(|(_, word, ..)| *word == text.trim());
+        let (posture, ..) = found.ok_or_else(|| {
+            tr!("Posture: allowed: {words}", words = choices.map(|(_, word, ..)| word).join(", "))
+        })?;
+        scene.body.posture = posture;
         return Ok(());
     }
     if let Some(set) = visit::set_form_field(scene, name, text) {
@@ -328,7 +351,7 @@ impl Number {
 #[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
 mod tests {
     use super::*;
-    use crate::scene::{ChestShape, Fill};
+    use crate::scene::{ChestShape, Fill, Posture};
 
     /// The scene after fields of the opening plan were set.
     fn after(fields: &[(&str, &str)]) -> Scene {
@@ -378,6 +401,7 @@ mod tests {
         assert_eq!(limited.body.pocket_void_ml, Some(4.0));
         let free = after(&[("fluid", "limited"), ("fluid", "free")]);
         assert_eq!(free, Scene::opening());
+        assert_eq!(after(&[("posture", "lying")]).body.posture, Posture::Lying);
         let round = after(&[("shape", "anatomical"), ("shape", "round")]);
         assert!(round.implant.is_round());
         let chest =
@@ -392,7 +416,7 @@ mod tests {
         let plain = Row::PLAIN.map(name_of).join(", ");
         let no_field = format!(
             "the plan has no field of this name; allowed: shape, fill, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
-             chest, chest_across_cm, margin_cm, fold_lower_cm, side_cm, up_cm, in_place_percent, fluid, reference, side, date, surgeon, remarks"
+             chest, chest_across_cm, margin_cm, fold_lower_cm, side_cm, up_cm, in_place_percent, fluid, posture, reference, side, date, surgeon, remarks"
         );
         for (name, text, words) in [
             ("width_cm", "wide", "Width: “wide” is not a number"),
@@ -404,6 +428,7 @@ mod tests {
             ("fill", "hard", "Filled with: allowed: form_stable, cohesive, soft, saline, rigid"),
             ("chest", "square", "Chest: allowed: flat, usual, round, torso"),
             ("fluid", "10", "Fluid in the pocket: allowed: free, limited"),
+            ("posture", "upright", "Posture: allowed: none, standing, lying"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             ("height", "3", &no_field),
             ("side", "up", "Side: allowed: left, right, both, each own, not said"),

@@ -1,7 +1,7 @@
 //! The plan: what a surgeon decides, in centimetres and millilitres. Each function edits a copy of the scene; the app
 //! turns the difference into a command.
 //!
-//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin, plane, fluid) | `plain` (numbers shown by their rows alone) | `position`
+//! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin, plane, fluid) | `plain` (numbers shown by their rows alone) | `posture` (the direction of weight) | `position`
 //! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
 //! (patient and visit in words, with the `date`) | `when` (the skin at rest, and the time after the operation).
 
@@ -19,6 +19,7 @@ mod patient;
 pub(crate) mod plain;
 mod pocket;
 mod position;
+mod posture;
 mod practice;
 mod shape;
 mod side;
@@ -36,6 +37,7 @@ pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
 pub(super) use pocket::{fluid_in_words, plane_in_words, pocket};
 pub(super) use position::{hand_of, move_to, position, position_in_words};
+pub(super) use posture::posture_in_words;
 pub(super) use practice::practice;
 pub(super) use shape::{is_anatomical, shape_in_words, usual_apex};
 pub(super) use side::sides;
@@ -51,7 +53,7 @@ use crate::app::widgets::theme;
 use crate::app::widgets::{Control, ControlResponse};
 use crate::clinical::{Dimension, Size};
 use crate::curve::number;
-use crate::scene::{Field, Layer, Scene};
+use crate::scene::{Field, Layer, Posture, Scene};
 use eframe::egui::{self, RichText, Ui};
 pub(super) use patient::new_base;
 use serde::{Deserialize, Serialize};
@@ -95,6 +97,7 @@ pub(super) fn rows(scene: &Scene, device: Device) -> Vec<(&'static str, String)>
         Some((tr("Tissue"), layers.join(", "))),
         rest,
         time,
+        (scene.body.posture != Posture::None).then(|| (tr("Posture"), posture_in_words(scene))),
         scene.is_layered().then(|| (tr("Chest"), chest_in_words(scene))),
         Some((tr("Pocket"), format!("{} + {}", device.words(tr("implant")), centimetres(margin)))),
         length(
