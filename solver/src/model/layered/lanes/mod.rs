@@ -2,10 +2,12 @@
 //!
 //! The outermost layer of nodes carries the skin, a [`Membrane`]; between two layers of nodes lies a layer of cells.
 //!
-//! `shapes` (of the cells at rest) | `forces`, `blocks` (of the regular cells and the attachment) | `suction` (of a void).
+//! `shapes` (of the cells at rest) | `at_rest` (the dead load) | `pressure` (of nearly incompressible tissue) | `forces`, `blocks` (of the regular cells and the attachment) | `suction` (of a void).
 
+mod at_rest;
 mod blocks;
 mod forces;
+mod pressure;
 mod shapes;
 mod suction;
 
@@ -14,14 +16,14 @@ use super::border::{Border, Four};
 use super::cell;
 use super::modes::{Corners, modes};
 use super::shape::{Even, RestShape};
-use crate::mesh::lanes::{Field, Layout, load, store};
+use crate::mesh::lanes::{Field, Layout};
 use crate::mesh::vec3::dot;
 use crate::mesh::{Attachment, Cells, Grown, NaturalStretch, Pocket, Rest};
 use crate::model::columns::ColumnBlocks;
 use crate::model::membrane::lanes::{Membrane, Scratch as SkinScratch};
 use crate::model::{ElasticModel, Tension};
-use crate::springs::solids::{LaneLaw, SolidLaw, Volume, WholeLaw, of_law};
-use forces::{at_corners, first_parity};
+use crate::springs::solids::{LaneLaw, WholeLaw, of_law};
+use forces::at_corners;
 use shapes::{CurvedLayers, Layers, Shapes};
 use std::sync::Arc;
 use suction::LaneSuction;
@@ -140,91 +142,6 @@ impl Layered {
             weighed: (!rest.weight().is_none()).then(|| rest.clone()),
             stiffness,
         }
-    }
-
-    /// The skin at rest on a grid, `rest` being `None` over a flat wall, of which this has grown on the finest grid.
-    fn skin_at_rest(
-        &self,
-        layout: &Layout,
-        rest: Option<&Rest>,
-        grown: Option<&Grown>,
-    ) -> SkinScratch {
-        let grown = grown.map(|grown| grown.restricted(layout.nodes_per_side));
-        let skin = |rest: &Rest| {
-            let surface = rest.outermost().stretched(self.natural.as_ref()).grown(grown.as_ref());
-            SkinScratch::new(layout, surface, self.cells.len())
-        };
-        rest.map_or_else(|| skin(&layout.plane()), skin)
-    }
-
-    /// Sets the forces at rest: those of the skin, less the change of weight.
-    fn load_at_rest(
-        &self,
-        (layout, spacing): (&Layout, f64),
-        rest: Option<&Arc<Rest>>,
-        scratch: &mut Scratch,
-    ) {
-        scratch.at_rest = match (&self.weighed, self.natural) {
-            (None, None) => Field::default(),
-            (None, Some(_)) => self.skin_forces_at_rest(layout, rest, scratch),
-            (Some(finest), natural) => {
-                let on_grid = finest.restricted(layout.nodes_per_side);
-                let mut load = Field::new(layout.len(), self.layers());
-                let unit = 1.0 / (self.stiffness * spacing);
-                for (layer, weight) in on_grid.change_of_weight().iter().enumerate() {
-                    layout.free_rows(|j, from, to| {
-                        for i in from..to {
-                            let at = layer * layout.len() + j * layout.pitch + i;
-                            let force = weight[layout.node(i, j)] * -unit;
-                            load.x[at] = force.x as f32;
-                            load.y[at] = force.y as f32;
-                            load.z[at] = force.z as f32;
-                        }
-                    });
-                }
-                if natural.is_some() {
-                    // Minus the forces of the skin at rest, subtracted once more.
-                    let mut of_skin = self.skin_forces_at_rest(layout, rest, scratch);
-                    of_skin.planes_mut().for_each(|plane| plane.iter_mut().for_each(|v| *v = -*v));
-                    load.subtract_from_last_plane(&of_skin);
-                }
-                load
-            }
-        };
-    }
-
-    /// Forces of the skin at rest, on its layer of nodes.
-    fn skin_forces_at_rest(
-        &self,
-        layout: &Layout,
-        rest: Option<&Arc<Rest>>,
-        scratch: &mut Scratch,
-    ) -> Field {
-        let zero = Field::new(layout.len(), self.layers());
-        let (mut forces, mut at_rest) = (zero.clone(), Field::new(layout.len(), 1));
-        if self.grown.is_some() {
-            let mut skin = self.skin_at_rest(layout, rest.map(Arc::as_ref), None);
-            self.skin.forces(layout, &zero, &mut forces, &mut skin);
-        } else {
-            self.skin.forces(layout, &zero, &mut forces, &mut scratch.skin);
-        }
-        at_rest.copy_last_plane_from(&forces);
-        at_rest
-    }
-}
-
-impl Scratch {
-    /// The augmented pressures at the border of a layer of cells; empty without.
-    fn border_pressure(&self, layer: usize) -> &[f32x4] {
-        let groups = self.border.len();
-        self.border_pressure.get(layer * groups..(layer + 1) * groups).unwrap_or_default()
-    }
-}
-
-impl Layered {
-    /// Is a tissue nearly incompressible, with an augmented pressure?
-    pub(crate) fn is_augmented(&self) -> bool {
-        self.cells.iter().any(|cells| cells.is_augmented)
     }
 }
 
@@ -398,28 +315,8 @@ impl ElasticModel for Layered {
         scratch.border_pressure.fill(f32x4::ZERO);
     }
 
-    fn mix(&self, scratch: &mut Scratch, [one, two]: [f32; 2]) {
-        let Scratch { pressure, border_pressure, last_pressures, .. } = scratch;
-        for (last, last_border) in last_pressures.iter_mut() {
-            // After the first mixing nothing is allocated.
-            last.resize(pressure.len(), 0.0);
-            last_border.resize(border_pressure.len(), f32x4::ZERO);
-        }
-        let [(last, last_border), (older, older_border)] = last_pressures;
-        // A number of another solve may not be finite.
-        let part = |theta: f32, by: f32| if theta == 0.0 { 0.0 } else { theta * by };
-        for ((p, last), older) in pressure.iter_mut().zip(last).zip(older) {
-            let own = *p;
-            *p = own - part(one, own - *last) - part(two, own - *older);
-            (*last, *older) = (own, *last);
-        }
-        let parts = |theta: f32, by: f32x4| if theta == 0.0 { f32x4::ZERO } else { by * theta };
-        let places = border_pressure.iter_mut().zip(last_border).zip(older_border);
-        for ((p, last), older) in places {
-            let own = *p;
-            *p = own - parts(one, own - *last) - parts(two, own - *older);
-            (*last, *older) = (own, *last);
-        }
+    fn mix(&self, scratch: &mut Scratch, thetas: [f32; 2]) {
+        scratch.mix_pressures(thetas);
     }
 
     fn hand_on(
@@ -428,23 +325,7 @@ impl ElasticModel for Layered {
         layout: &Layout,
         scratch: &mut Scratch,
     ) {
-        if scratch.pressure.is_empty() {
-            return;
-        }
-        let (first, coarse_first) = (layout.first(), coarse_layout.first());
-        for layer in 0..self.cells.len() {
-            let from = &coarse.pressure[layer * coarse_layout.len()..];
-            let to = &mut scratch.pressure[layer * layout.len()..];
-            for j in 0..layout.rows - 1 {
-                let parent = ((j + first[1]) / 2).saturating_sub(coarse_first[1]);
-                for i in 0..layout.columns - 1 {
-                    let column = ((i + first[0]) / 2).saturating_sub(coarse_first[0]);
-                    to[j * layout.pitch + i] = from[parent * coarse_layout.pitch + column];
-                }
-            }
-            let border = scratch.border_pressure.chunks_mut(scratch.border.len().max(1)).nth(layer);
-            scratch.border.take(to, border.unwrap_or_default());
-        }
+        self.hand_on_pressures((coarse_layout, coarse), layout, scratch);
     }
 
     fn stiffness(&self) -> f64 {
@@ -503,55 +384,6 @@ impl Layered {
                     let squares = squares[0] + squares[1] + squares[2];
                     tension.squares += f64::from((squares & row.counts(group)).reduce_add());
                 }
-            }
-        }
-    }
-
-    /// Renews the augmented pressures.
-    fn renew_pressure(
-        &self,
-        layout: &Layout,
-        shapes: &impl Layers,
-        u: &Field,
-        scratch: &mut Scratch,
-    ) {
-        let (length, pitch) = (layout.len(), layout.pitch);
-        for row in layout.cell_rows() {
-            let parity = first_parity(layout, row.start);
-            for group in 0..row.groups {
-                let k = row.start + 4 * group;
-                let in_ring = load(&scratch.in_ring, k).simd_gt(f32x4::ZERO);
-                for (layer, cells) in self.cells.iter().enumerate() {
-                    if !cells.is_augmented {
-                        continue;
-                    }
-                    let (at, shape) = (k + layer * length, shapes.regular(layer, k));
-                    let faces = [at, at + length].map(|k| Corners::new(at_corners(u, k, pitch)));
-                    let modes = shape.removed(&modes(&faces[0], &faces[1]));
-                    let sign = if layer % 2 == 0 { parity } else { -parity };
-                    let points = in_ring & scratch.points[layer];
-                    let mut volume = cell::volume(&modes, shape.sides());
-                    if points.any() {
-                        let mean = cell::deformed_points(&modes, shape.sides(), sign).1;
-                        volume = points.bitselect(mean, volume);
-                    }
-                    let before = load(&scratch.pressure, at);
-                    // Lanes beyond the row keep no pressure.
-                    let volume = Volume::new(volume);
-                    let renewed = of_law!(&cells.law, law => law.renewed(volume, before));
-                    let renewed = renewed & row.counts(group);
-                    store(&mut scratch.pressure, at, renewed);
-                }
-            }
-        }
-        let groups = scratch.border.len();
-        let all = scratch.border_pressure.chunks_mut(groups.max(1));
-        for (layer, (cells, pressure)) in self.cells.iter().zip(all).enumerate() {
-            if cells.is_augmented {
-                let layers = [layer, layer + 1].map(|layer| layer * length);
-                let shape = |group: usize, four: &Four| shapes.at_border(layer, group, four);
-                of_law!(&cells.law, law => scratch.border.renew(law, shape, layers, u, pressure));
-                scratch.border.leave(pressure, &mut scratch.pressure[layers[0]..]);
             }
         }
     }
