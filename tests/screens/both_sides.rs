@@ -136,6 +136,24 @@ fn on_her_body_the_other_side_gets_its_own_wall_and_both_are_measured() {
 }
 
 #[test]
+fn a_number_that_is_typed_when_the_side_is_changed_is_one_of_the_side_before() {
+    let mut harness = app(WIDE, |scene| {
+        *scene = flat_plan();
+        scene.add_other_side().unwrap();
+    });
+    press(&mut harness, "left");
+    let [_, right] = volumes(&harness);
+    harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").focus();
+    harness.run();
+    harness.event(eframe::egui::Event::Text("280".to_owned()));
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "right").click();
+    settle(&mut harness);
+    assert!(scene(&harness).is_right());
+    assert_eq!(volumes(&harness), [right, 280.0]);
+}
+
+#[test]
 fn the_switch_has_room_on_a_phone() {
     let mut harness = app(PHONE, |scene| *scene = flat_plan());
     press(&mut harness, BOTH);

@@ -113,6 +113,34 @@ fn a_scan_with_its_marks_becomes_the_body_of_the_plan_in_one_step() {
 }
 
 #[test]
+fn a_scan_under_plans_of_both_sides_leaves_each_implant_in_its_breast() {
+    let mut harness = app(DESKTOP, |scene| {
+        *scene = flat_plan();
+        scene.add_other_side().unwrap();
+        scene.implant.projection_mm += 3.0;
+    });
+    let before = scene(&harness);
+    assert_eq!(before.side, Some(Side::Left));
+    drop_file(&mut harness, marks(Unit::M), "open its scan");
+    drop_file(&mut harness, scan(Unit::M), "Scan her.ply");
+    harness.query_all_by_role_and_label(Role::Button, "right").last().unwrap().click();
+    harness.run();
+    button(&harness, "Use these marks").click();
+    harness.run();
+    settle(&mut harness);
+    let after = scene(&harness);
+    let other = after.other_side.as_deref().unwrap();
+    assert_eq!((after.side, other.side), (Some(Side::Right), Some(Side::Left)));
+    assert_eq!(other.implant, before.implant);
+    assert_eq!(after.implant, before.other_side.as_deref().unwrap().implant);
+    // Both are on her body, each at its own place.
+    assert_eq!(after.frames().len(), 2);
+    assert_ne!(after.frames()[0], after.frames()[1]);
+    assert!(other.chest_grid.is_some() && other.chest_grid != after.chest_grid);
+    assert!(harness.state().session().other_side().unwrap().outcome().is_some());
+}
+
+#[test]
 fn marks_are_clicked_moved_by_keys_and_taken_back() {
     let mut harness = screen(DESKTOP);
     drop_file(&mut harness, bare(), "Scan bare.ply");

@@ -35,7 +35,7 @@ impl Scene {
         }
         let mut other = self.clone();
         if let Some(placement) = &self.placement {
-            let fitted = self.fitted_on_other_side(placement)?;
+            let fitted = self.fitted_on_other_side(placement, self)?;
             (other.chest_grid, other.thickness_field) = (fitted.chest_grid, fitted.thickness_field);
             other.placement = fitted.placement;
         }
@@ -47,16 +47,41 @@ impl Scene {
         Ok(())
     }
 
-    /// The scene of the body's fit on the other side.
-    fn fitted_on_other_side(&self, placement: &Placement) -> Result<Self, SceneError> {
+    /// Fits another body, which this scene has, under the plan of the other side: implant and pocket stay, thickness and pinch are those of this scene.
+    ///
+    /// # Errors
+    /// As [`Self::add_other_side`].
+    pub fn refit_other_side(&mut self) -> Result<(), SceneError> {
+        let (Some(own), Some(placement)) = (&self.other_side, &self.placement) else {
+            return Ok(());
+        };
+        let fitted = self.fitted_on_other_side(placement, own)?;
+        let mut other = Self {
+            chest_grid: fitted.chest_grid,
+            thickness_field: fitted.thickness_field,
+            placement: fitted.placement,
+            layers: self.layers.clone(),
+            patient: self.patient.clone(),
+            ..(**own).clone()
+        };
+        other.implant.center_mm = [0.0; 2];
+        let mut scene = self.clone();
+        scene.other_side = Some(Box::new(scene.beside(other)));
+        scene.validate()?;
+        *self = scene;
+        Ok(())
+    }
+
+    /// The scene of the body's fit on the other side, for a plan of that side.
+    fn fitted_on_other_side(&self, placement: &Placement, plan: &Self) -> Result<Self, SceneError> {
         let wrong = |words: &str| problem("body", words);
         let kept = placement.surface.as_ref().ok_or_else(|| wrong("the plan has no surface"))?;
         let side = if self.is_right() { marks::Side::Left } else { marks::Side::Right };
         let settings = Settings {
             cover_mm: placement.cover_mm,
-            patch_radius_mm: self.body.patch_radius_mm,
-            pocket_radius_mm: self.pocket_radius_mm,
-            base_radius_mm: self.implant.base_radius_mm,
+            patch_radius_mm: plan.body.patch_radius_mm,
+            pocket_radius_mm: plan.pocket_radius_mm,
+            base_radius_mm: plan.implant.base_radius_mm,
             radii_mm: None,
         };
         let found = fit(kept.surface(), &placement.marks, side, &settings);

@@ -76,12 +76,23 @@ fn answer(session: &Session, practices: &Practices, previous: PreviousResults) -
     Answer::new(visible(session, previous), plan, session.problem(), practices)
 }
 
+/// The side whose values are shown; `None` where both sides have one plan.
+fn side_of_answer(session: &Session) -> Option<&'static str> {
+    session.other_side().map(|_| side_in_a_word(session.scene()))
+}
+
+/// The heading in a line, with the side as "What happens · right".
+pub(super) fn heading_in_words(session: &Session) -> String {
+    let heading = tr("What happens");
+    side_of_answer(session).map_or_else(|| heading.to_owned(), |side| format!("{heading} · {side}"))
+}
+
 /// Shows the heading with the state of the computation.
 pub(super) fn heading(ui: &mut Ui, session: &Session) {
     ui.horizontal(|ui| {
         ui.heading(tr("What happens"));
-        if session.other_side().is_some() {
-            ui.heading(format!("· {}", side_in_a_word(session.scene())));
+        if let Some(side) = side_of_answer(session) {
+            ui.heading(format!("· {side}"));
         }
         if session.is_working() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -79,7 +79,8 @@ fn tenths(counts: &[usize]) -> Option<Vec<usize>> {
     }
     let mut parts: Vec<usize> = counts.iter().map(|count| PARTS * count / sum).collect();
     let mut order: Vec<usize> = (0..counts.len()).collect();
-    order.sort_by_key(|k| std::cmp::Reverse(PARTS * counts[*k] % sum));
+    // Of equal remainders the graver word's.
+    order.sort_by_key(|k| std::cmp::Reverse((PARTS * counts[*k] % sum, *k)));
     let left = PARTS - parts.iter().sum::<usize>();
     order.into_iter().take(left).for_each(|k| parts[k] += 1);
     Some(parts)

@@ -15,6 +15,9 @@ use crate::scene::pins::{pins_from_json, pins_json};
 use crate::session::{Pin, Session};
 use web_time::{Duration, Instant};
 
+/// What a plan of a scan says after a reload, which keeps her wall and tissue but no picture of her.
+const NO_BODY: &str = "Her body is not kept here: the picture is that of a usual torso, the numbers are hers. Open the saved plan to see her.";
+
 /// Stored text of a switch that is on.
 const ON: &str = "on";
 
@@ -173,7 +176,12 @@ impl App {
             Ok((scene, kept.choices, kept.cross_section))
         });
         match restored {
-            Ok(plan) => self.keep.plan = plan,
+            Ok(plan) => {
+                if plan.0.chest_grid.is_some() && plan.0.placement.is_none() {
+                    self.notice = Some(Notice::caution(tr(NO_BODY)));
+                }
+                self.keep.plan = plan;
+            }
             Err(error) => {
                 self.notice =
                     Some(Notice::caution(tr!("The kept plan was not read: {error}", error)));

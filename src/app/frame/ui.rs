@@ -14,7 +14,7 @@ use crate::app::answer::{compare, details, no_answer, plots};
 use crate::app::curve_editor::CurveWindow;
 use crate::app::paper::report::ReportDialog;
 use crate::app::picture::insertion::Insertion;
-use crate::app::picture::viewport::Shown;
+use crate::app::picture::viewport::{Before, Shown};
 use crate::app::picture::{strip, view_bar};
 use crate::app::plan::advanced;
 use crate::app::plan::volume_marks::headline;
@@ -438,7 +438,8 @@ impl App {
             } else if has_shape && self.shared.is_provisional() {
                 messages::provisional(ui, area, self.shared.session.displayed());
             }
-            if has_shape {
+            // Beside the body before, a handle would lie on the breast.
+            if has_shape && self.shared.options.before == Before::Off {
                 let Shared { viewport, choices, .. } = &mut self.shared;
                 let is_cancelled = self.edits.press.is_cancelled;
                 self.handles.show(ui, viewport, is_cancelled, scene, choices);

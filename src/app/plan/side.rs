@@ -5,7 +5,7 @@ use crate::app::texts::{shown, tr};
 use crate::app::widgets::drop_typed_number;
 use crate::app::widgets::theme::SPACE;
 use crate::scene::{Scene, Side};
-use eframe::egui::{RichText, Ui};
+use eframe::egui::{Id, RichText, Ui};
 
 /// One plan for both breasts, and one for each, which is offered once both have one.
 const BOTH: (&str, &str) = ("both alike", "One plan for both breasts");
@@ -14,12 +14,14 @@ pub(super) const OWN: (&str, &str) = (
     "A plan for each breast: implant, pocket, pinch and base are those of the chosen side, all else is that of both",
 );
 
-/// The choice of the side in a row; a side that is fixed stands alone. No side is chosen at first; the pictures are then those of a left breast.
-pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, is_fixed: bool, hand: Hand) {
-    let now = *side;
-    chips(ui, |ui| {
-        let offered = Side::ALL.into_iter().filter(|choice| !is_fixed || now == Some(*choice));
-        *side = choices(ui, now, offered, hand);
+/// The choice of the side in a row, or what is `fixed`. No side is chosen at first; the pictures are then those of a left breast.
+pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, fixed: Option<&str>, hand: Hand) {
+    chips(ui, |ui| match fixed {
+        Some(words) => {
+            name(ui);
+            ui.label(words);
+        }
+        None => *side = choices(ui, *side, Side::ALL.into_iter(), hand),
     });
 }
 
@@ -33,9 +35,14 @@ pub(crate) fn sides(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<String
     let mut refused = None;
     chips(ui, |ui| {
         let chosen = choices(ui, now, Side::ALL.into_iter().filter(is_offered), hand);
-        if chosen != now {
+        // In the frame of the click a number that is typed becomes one of the side before.
+        let waiting = Id::unique("side to show");
+        if let Some(chosen) = ui.data_mut(|data| data.remove_temp::<Option<Side>>(waiting)) {
             scene.set_side(chosen);
             drop_typed_number(ui.ctx());
+        } else if chosen != now {
+            ui.data_mut(|data| data.insert_temp(waiting, chosen));
+            ui.ctx().request_repaint();
         }
         let is_both = now == Some(Side::Both) && !is_own;
         if !is_scanned && chip(ui, hand, is_both, tr(BOTH.0), tr(BOTH.1)) {
@@ -62,8 +69,7 @@ fn choices(
     offered: impl Iterator<Item = Side>,
     hand: Hand,
 ) -> Option<Side> {
-    ui.label(RichText::new(tr("Breast")).color(ui.visuals().weak_text_color()));
-    ui.add_space(SPACE);
+    name(ui);
     let mut chosen = now;
     for choice in offered {
         let (name, tooltip) = match choice {
@@ -75,4 +81,9 @@ fn choices(
         }
     }
     chosen
+}
+
+fn name(ui: &mut Ui) {
+    ui.label(RichText::new(tr("Breast")).color(ui.visuals().weak_text_color()));
+    ui.add_space(SPACE);
 }

@@ -208,11 +208,11 @@ fn joined<const N: usize>(parts: [String; N]) -> String {
 pub(crate) fn entries_of_report(
     ui: &mut Ui,
     visit: &mut Visit,
-    (side, is_side_fixed): (&mut Option<Side>, bool),
+    (side, fixed): (&mut Option<Side>, Option<&str>),
     hand: Hand,
 ) -> Response {
     let number = number(ui, &mut visit.reference);
-    side::side(ui, side, is_side_fixed, hand);
+    side::side(ui, side, fixed, hand);
     remarks(ui, &mut visit.remarks);
     number
 }

@@ -13,7 +13,7 @@ use crate::body::marks::{Marks, Side};
 use crate::body::read::{Read, Unit};
 use crate::body::surface::Surface;
 use crate::clinical::Measurements;
-use crate::scene::{COVER_MM, Scene};
+use crate::scene::{self, COVER_MM, Scene};
 use crate::view::torso::Torso;
 use glam::{DMat3, DVec3};
 pub(crate) use panel::Choice;
@@ -174,7 +174,14 @@ impl Scan {
     pub(crate) fn plan(&mut self, plan: &Scene) -> Result<(Scene, String), String> {
         let (side, unit, cover_mm) = (self.side, self.read.unit, 0.5 * self.pinch_mm);
         let marks = self.points.marks(side).ok_or_else(|| tr("A mark is missing.").to_owned())?;
-        let found = match self.assess(plan) {
+        // With a plan for each side that of the scanned breast.
+        let mut plan = plan.clone();
+        let chosen = if side == Side::Left { scene::Side::Left } else { scene::Side::Right };
+        if plan.other_side.is_some() && plan.side != Some(chosen) {
+            plan.set_side(Some(chosen));
+            self.fitted = None;
+        }
+        let found = match self.assess(&plan) {
             Some(Ok(found)) => &**found,
             Some(Err(error)) => return Err(shown(error)),
             None => return Err(tr("A mark is missing.").to_owned()),
@@ -182,18 +189,28 @@ impl Scan {
         let fitted = Scene::of_body(found, (&marks, side), cover_mm, unit);
         let fitted = fitted.map_err(|error| shown(&error.to_string()))?;
         let mut words: Vec<String> = found.quality.warnings().iter().map(|of| shown(of)).collect();
-        let kept = kept(&fitted, plan);
+        let kept = kept(&fitted, &plan);
         if kept.is_err() {
             words.push(tr("The implant of the plan does not fit here: the usual one.").to_owned());
         }
-        let mut scene = kept.unwrap_or(fitted);
+        let mut scene = kept.unwrap_or(Scene { visit: plan.visit.clone(), ..fitted });
+        if let Some(visit) = scene.visit.as_ref().filter(|visit| !visit.reference.is_empty()) {
+            words.push(tr!("Still the plan of patient {reference}.", reference = visit.reference));
+        }
         scene.keep_surface(&self.read.surface).map_err(|error| shown(&error.to_string()))?;
+        if let Err(error) = scene.refit_other_side() {
+            scene.other_side = None;
+            words.push(tr!(
+                "The other breast has no plan now: {error}",
+                error = shown(&error.to_string())
+            ));
+        }
         Ok((scene, words.join(" ")))
     }
 }
 
 /// The scene of a fitted body with the implant, the pocket, the skin and the entries of a plan; an error where the body does not carry them.
-fn kept(fitted: &Scene, plan: &Scene) -> Result<Scene, crate::scene::SceneError> {
+fn kept(fitted: &Scene, plan: &Scene) -> Result<Scene, scene::SceneError> {
     let mut scene = Scene {
         side: fitted.side,
         chest: None,

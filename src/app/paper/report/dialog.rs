@@ -17,8 +17,8 @@ const KEPT: &str = "Patient number and remarks are in this report and in a saved
 pub(crate) struct ReportDialog {
     visit: Visit,
     side: Option<Side>,
-    /// Is the side that of a scan?
-    is_side_fixed: bool,
+    /// What is said in place of a choice of the side: of a scan, of plans for each side.
+    fixed: Option<&'static str>,
     /// Has the first field not had the focus yet?
     is_new: bool,
 }
@@ -34,8 +34,11 @@ impl ReportDialog {
     /// The dialog for a plan, with what the plan states.
     pub(crate) fn new(scene: &Scene) -> Self {
         let visit = scene.visit.clone().unwrap_or_default();
-        let is_side_fixed = scene.placement.is_some() || scene.other_side.is_some();
-        Self { visit, side: scene.side, is_side_fixed, is_new: true }
+        let fixed = match &scene.other_side {
+            Some(_) => Some(tr("both, a plan each")),
+            None => scene.placement.as_ref().map(|_| plan::side_in_a_word(scene)),
+        };
+        Self { visit, side: scene.side, fixed, is_new: true }
     }
 
     /// Shows the dialog over the screen. Returns the choice of the user once there is one.
@@ -44,12 +47,8 @@ impl ReportDialog {
             ui.set_width(WIDTH.min(ctx.content_rect().width() - 6.0 * SPACE));
             ui.heading(tr("Report"));
             ui.add_space(SPACE);
-            let number = plan::entries_of_report(
-                ui,
-                &mut self.visit,
-                (&mut self.side, self.is_side_fixed),
-                hand,
-            );
+            let number =
+                plan::entries_of_report(ui, &mut self.visit, (&mut self.side, self.fixed), hand);
             // The click that opens the dialog takes the focus from its first frame.
             self.is_new &= !number.has_focus();
             if self.is_new {

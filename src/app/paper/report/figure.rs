@@ -24,6 +24,8 @@ pub(super) struct Figure {
     pub(super) patient: String,
     /// The plan: names and values.
     pub(super) plan: Vec<(&'static str, String)>,
+    /// The heading of the cards.
+    pub(super) heading: String,
     /// The cards: title, figure, word, further line.
     pub(super) cards: Vec<[String; 4]>,
     /// Warnings, or what a missing answer means.
@@ -85,7 +87,7 @@ impl Figure {
     }
 
     fn answer(&self, ui: &mut Ui) {
-        ui.heading(tr("What happens"));
+        ui.heading(&self.heading);
         for [title, figure, word, line] in &self.cards {
             ui.horizontal_wrapped(|ui| {
                 ui.label(RichText::new(title).weak());
@@ -141,6 +143,7 @@ mod tests {
                 headline: "Answer".to_owned(),
                 patient: "4711".to_owned(),
                 plan: plan::rows(&scene, device),
+                heading: "What happens".to_owned(),
                 cards: vec![["Card", "1 cm", "usual", "A further line"].map(str::to_owned); 5],
                 remarks: vec!["A warning of this plan in a line".to_owned(); remarks],
                 origin: "Date".to_owned(),

@@ -60,6 +60,7 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     let figure = Figure {
         headline: answer::headline(session, practices, PreviousResults::Shown),
         plan: plan::rows_of_sides(session.scene(), device),
+        heading: answer::heading_in_words(session),
         cards: cards((session, practices), device, uncertainty.of_cards(session.scene())),
         remarks: remarks(session, device),
         patient: plan::patient_in_words(session.scene()),
@@ -184,6 +185,7 @@ pub(crate) fn report(
         poses,
         pins,
         further,
+        heading: answer::heading_in_words(session),
         implant: plan::implants_in_words(session.scene(), device),
         missing: missing.map(|how| device.words(how)),
         visit: plan::visit_in_words(session.scene()),

@@ -28,6 +28,8 @@ pub(super) struct Page {
     pub(super) poses: Vec<Picture>,
     /// Pins and plan side by side.
     pub(super) pins: Option<Picture>,
+    /// The heading of the answers.
+    pub(super) heading: String,
     /// Pictures of the second page.
     pub(super) further: Vec<Picture>,
     /// How to get a picture that is missing: on the screen only.
@@ -116,7 +118,7 @@ impl Page {
             }
             page.push_str("</div>");
         }
-        put(page, "h2", tr("What happens"));
+        put(page, "h2", &self.heading);
         answers(page, &self.answers);
         for remark in &self.remarks {
             let _ = write!(page, "<p class=\"note\">{}</p>", escaped(remark));
@@ -317,6 +319,7 @@ mod tests {
             poses: vec![picture("From the front", &[1, 2, 3], "")],
             pins: Some(picture("Pins", &[5], "")),
             further: vec![picture("Cross-section", &[4], &hostile)],
+            heading: hostile.clone(),
             implant: vec![hostile.clone()],
             missing: Some(hostile.clone()),
             visit: [hostile.clone(), hostile.clone()],
@@ -344,7 +347,7 @@ mod tests {
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 24);
+        assert_eq!(count, 25);
         let css = "@top-left{content:\"\\3c script\\3e alert\\28 1\\29 \\3c \\2f script\\3e \\26 \\22 \";";
         assert!(html.contains(css), "{html}");
         assert!(!html.contains("class=\"blank\""), "a filled line of the patient");
