@@ -227,7 +227,7 @@ fn of_mound(change: Option<&Change>, gained_ml: f64, implant_ml: f64) -> [Row; 8
         Row::gain(
             (
                 "Volume gained beside the implant",
-                "A space under the skin which tissue fills in time: no breast, do not count it.",
+                "No breast, do not count it: the void of the pocket, which tissue fills in time, and what the tissue rises by around the pocket.",
             ),
             ML,
             Some(gained_ml - implant_ml),
