@@ -86,9 +86,10 @@ pub struct Weights {
     corners: [(u32, f64); 4],
     /// Layers of nodes below and above the point.
     layers: [usize; 2],
-    /// The part of the upper layer, and of the displacement near the patch's edge \[-\].
+    /// The part of the upper layer \[-\].
     part: f64,
-    fade: f64,
+    /// Distance from the patch's edge, along the wall \[mm\]; infinite where the displacement does not fade.
+    from_edge_mm: f64,
     /// Share of the column's height \[-\].
     share: f64,
 }
@@ -100,10 +101,10 @@ impl Weights {
         self.share
     }
 
-    /// The part of the displacement near the patch's edge, along the wall \[-\].
+    /// Distance from the patch's edge, along the wall \[mm\]; infinite where the displacement does not fade.
     #[must_use]
-    pub fn fade(&self) -> f64 {
-        self.fade
+    pub fn from_edge_mm(&self) -> f64 {
+        self.from_edge_mm
     }
 
     /// The value at the point of values at the nodes of the skin; `None` without values.
@@ -150,7 +151,8 @@ impl Moves {
             weights.corners.into_iter().map(of).sum()
         };
         let part = weights.part;
-        (moved(below) * (1.0 - part) + moved(above) * part) * weights.fade
+        (moved(below) * (1.0 - part) + moved(above) * part)
+            * smooth_step(weights.from_edge_mm / FADE_MM)
     }
 }
 
@@ -236,9 +238,9 @@ impl Columns {
         let below = above.saturating_sub(1);
         let rise = self.shares[above] - self.shares[below];
         let part = if rise > 0.0 { (share - self.shares[below]) / rise } else { 0.0 };
-        let fade = smooth_step((half - place.length()) * self.spacing_mm / FADE_MM);
+        let from_edge_mm = (half - place.length()) * self.spacing_mm;
         let corners = self.corners(node, [a, b]);
-        Some(Weights { corners, layers: [below, above], part, fade, share })
+        Some(Weights { corners, layers: [below, above], part, from_edge_mm, share })
     }
 
     /// How the skin over a place of the plane moves \[mm\]; `None` beyond the patch.
@@ -263,7 +265,8 @@ impl Columns {
             along += place - above.truncate();
         }
         let top = self.shares.len() - 1;
-        Some(Weights { corners: cell(along), layers: [top; 2], part: 1.0, fade: 1.0, share: 1.0 })
+        let (corners, layers, from_edge_mm) = (cell(along), [top; 2], f64::INFINITY);
+        Some(Weights { corners, layers, part: 1.0, from_edge_mm, share: 1.0 })
     }
 
     /// The nodes of a cell and their weights at a place in it.

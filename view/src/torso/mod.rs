@@ -24,12 +24,13 @@ use implant_preview_core::body::marks::Marks;
 use implant_preview_core::body::surface::Surface;
 use implant_preview_core::body::torso;
 use implant_preview_core::scene::{self, FittedTorso};
+use moving::FADE_MM;
 use normals::{soften, turn};
 use std::sync::Arc;
 
 /// Distance from the fitted skin within which a vertex is skin of the breast's side, not of flank or arm, and its end \[mm\].
 const NEAR_MM: [f64; 2] = [15.0, 30.0];
-/// The second coordinate on the net of a vertex without net, less the part of the colour of a quantity in its colour, 0 to 1; the first
+/// The second coordinate on the net of a vertex without net, less how far it is within the colour of a quantity (0 to 1, from 0.5 on in it); the first
 /// is the distance from the nipple \[mm\].
 const NO_NET: f32 = -1.0;
 /// Distance from the nipple of a vertex without an areola to draw \[mm\].
@@ -91,7 +92,7 @@ impl Torso {
             let apart = (point.place.z - grid.value(skin_mm, over)).abs();
             point.share = smooth_step((NEAR_MM[1] - apart) / (NEAR_MM[1] - NEAR_MM[0]));
         }
-        let reach = Settings::default().patch_radius_mm;
+        let reach = Settings::default().patch_radius_mm + FADE_MM;
         let is_near = |point: &Point| point.place.truncate().length() < reach && point.share > 0.0;
         torso.points.retain(is_near);
         torso.find_nearest();

@@ -4,20 +4,19 @@ use super::normals::{soften, turn};
 use super::{NO_NET, Point, Torso, position};
 use crate::mesh::{Mesh, Vertex};
 use implant_preview_core::body::deform::{Columns, Moves, Weights};
-use implant_preview_core::body::grid::smooth_step;
 use implant_preview_core::measure::{Field, Fields};
 use implant_preview_core::mesh::Rest;
 use implant_preview_core::solve::Problem;
 use std::sync::Arc;
 
 /// Width at the patch's border over which the colour of a quantity becomes that of the skin \[mm\].
-const FADE_MM: f64 = 25.0;
+pub(super) const FADE_MM: f64 = 25.0;
 /// Share of a column's height between which the colour of the skin comes to show \[-\]: where the body leaves the fitted skin, at the flank, a narrower range
 /// would be ragged from vertex to vertex.
-const SKIN_SHARE: [f64; 2] = [0.6, 0.9];
-/// The share of a vertex beyond the patch; means over neighbours that even the shares.
+const SKIN_SHARE: [f32; 2] = [0.2, 0.8];
+/// The share of a vertex beyond the patch; means over neighbours that even the shares, of which fewer leave teeth at the flank.
 const UNKNOWN: f32 = -1.0;
-const EVENINGS: usize = 4;
+const EVENINGS: usize = 25;
 
 /// How the vertices of a body move with the columns of a tissue at rest.
 #[derive(Debug)]
@@ -25,8 +24,8 @@ pub struct Attached {
     rest: Rest,
     /// The side whose vertices these are; `None`: one tissue for all sides.
     of_side: Option<usize>,
-    /// Vertices that move.
-    moved: Vec<Moved>,
+    /// Vertices that move or have a colour.
+    pub(super) moved: Vec<Moved>,
     turned: Around,
     softened: Around,
 }
@@ -38,15 +37,18 @@ struct Around {
     triangles: Vec<[u32; 3]>,
 }
 
-/// A vertex that moves.
+/// A vertex that moves, or that the colour of a quantity fades to.
 #[derive(Clone, Copy, Debug)]
-struct Moved {
-    vertex: u32,
+pub(super) struct Moved {
+    pub(super) vertex: u32,
     /// Its side in `turns`.
     side: usize,
-    weights: Weights,
-    /// The part of the displacement, and of the colour of a quantity, that it takes \[-\].
+    /// `None`: it stays.
+    pub(super) weights: Option<Weights>,
+    /// The part of the displacement that it takes \[-\].
     share: f64,
+    /// How far it is within the colour of a quantity: 0.5 at its end, 1 where it is full. The renderer makes a smooth step of it, so that the end
+    /// of the colour is even within large triangles.
     part: f32,
 }
 
@@ -65,39 +67,47 @@ impl Torso {
         };
         let found: Vec<(&Point, Option<Weights>)> =
             own.map(|point| (point, weights(point))).collect();
-        let [low, high] = SKIN_SHARE;
-        let mut on_skin = vec![UNKNOWN; self.before.vertices.len()];
+        let mut heights = vec![UNKNOWN; self.before.vertices.len()];
         for (point, weights) in &found {
             if point.place.truncate().length() < border {
-                let share = weights.as_ref().map_or(0.0, Weights::share);
-                let of = &mut on_skin[point.vertex as usize];
-                *of = of.max(smooth_step((share - low) / (high - low)) as f32);
+                let share = weights.as_ref().map_or(0.0, Weights::share).clamp(0.0, 1.0);
+                let of = &mut heights[point.vertex as usize];
+                *of = of.max(share as f32);
             }
         }
-        self.even(&mut on_skin);
+        self.even(&mut heights);
+        let [low, high] = SKIN_SHARE;
         let of = |(point, weights): (&Point, Option<Weights>)| {
             let Point { vertex, side, place, share, is_nearest } = *point;
-            let weights = weights?;
             // Along a curved wall the patch ends before its radius over the plane.
-            let from_border = border - place.truncate().length();
-            let near_border = weights.fade() * smooth_step(from_border / FADE_MM);
+            let over = border - place.truncate().length();
+            let from_border = weights.as_ref().map_or(over, |at| over.min(at.from_edge_mm()));
+            let on_skin = (heights[vertex as usize] - low) / (high - low);
+            // A vertex that stays is at most at the end of the colour.
+            let most = if weights.is_some() { 1.0 } else { 0.0 };
+            let within = on_skin.min((from_border / FADE_MM) as f32).clamp(-1.0, most);
             let is_coloured = is_nearest || only == Some(0) && of_side.is_none();
-            let part = if is_coloured { (share * near_border) as f32 } else { 0.0 };
-            let part = part * on_skin[vertex as usize].max(0.0);
-            Some(Moved { vertex, side, weights, share, part })
+            let part = if is_coloured { 0.5 * share as f32 * (1.0 + within) } else { 0.0 };
+            let is_any = weights.is_some() || part > 0.0;
+            is_any.then_some(Moved { vertex, side, weights, share, part })
         };
         let moved: Vec<Moved> = found.into_iter().filter_map(of).collect();
         let mut is_reached = vec![false; self.before.vertices.len()];
-        moved.iter().for_each(|moved| is_reached[moved.vertex as usize] = true);
+        let reached = moved.iter().filter(|moved| moved.weights.is_some());
+        reached.for_each(|moved| is_reached[moved.vertex as usize] = true);
         let [turned, softened] = [(); 2].map(|()| self.around(&mut is_reached));
         Attached { rest: problem.rest.clone(), of_side, moved, turned, softened }
     }
 
     /// Gives each known value the mean of those around it, some times: the colour ends at no edge of triangles.
     fn even(&self, values: &mut Vec<f32>) {
+        let is_known =
+            |triangle: &&[u32; 3]| triangle.iter().any(|k| values[*k as usize] > UNKNOWN);
+        let triangles = self.before.indices.as_chunks::<3>().0.iter();
+        let triangles: Vec<[u32; 3]> = triangles.filter(is_known).copied().collect();
         for _ in 0..EVENINGS {
             let mut sums = vec![(0.0, 0.0); values.len()];
-            for triangle in self.before.indices.as_chunks::<3>().0 {
+            for triangle in &triangles {
                 let known = || triangle.iter().filter(|k| values[**k as usize] > UNKNOWN);
                 let sum: f32 = known().map(|k| values[*k as usize]).sum();
                 for k in known() {
@@ -154,13 +164,18 @@ impl Torso {
             None => moves,
         };
         for moved in &attached.moved {
-            let by = moved.share * (self.turns[moved.side] * moves.of(&moved.weights));
-            // A vertex of both sides moves with both.
             let own = &mut vertices[moved.vertex as usize];
-            let at = position(own) + by.as_vec3();
-            own[..3].copy_from_slice(&at.to_array());
+            if let Some(weights) = &moved.weights {
+                let by = moved.share * (self.turns[moved.side] * moves.of(weights));
+                // A vertex of both sides moves with both.
+                let at = position(own) + by.as_vec3();
+                own[..3].copy_from_slice(&at.to_array());
+            }
             let Some(field) = field else { continue };
-            let value = |fields: &Fields| moved.weights.value(fields.values(field));
+            let value = |fields: &Fields| match &moved.weights {
+                Some(weights) => weights.value(fields.values(field)),
+                None => Some(0.0),
+            };
             let value = match toward {
                 Some((to, part)) => {
                     value(fields).zip(value(to)).map(|(from, to)| from + part * (to - from))

@@ -1,5 +1,5 @@
 use super::*;
-use implant_preview_core::body::deform::deform;
+use implant_preview_core::body::deform::{Weights, deform};
 use implant_preview_core::body::fit::fit;
 use implant_preview_core::body::marks::Side;
 use implant_preview_core::body::read::Unit;
@@ -71,6 +71,63 @@ fn the_skin_passes_the_border_of_the_patch_without_a_seam() {
     assert!(turned.len() > 40, "{}", turned.len());
     let greatest = turned.iter().copied().fold(0.0, f32::max);
     assert!(greatest < 2.0, "{greatest}");
+}
+
+/// The greatest turn of the drawn normals \[°\] on the triangles that the edge of the tissue crosses, within 10 mm of the edge, of a plan on the
+/// built-in torso.
+fn turn_across_the_edge(scene: Scene) -> f32 {
+    let torso = Torso::of_torso(&scene.fitted_torso().unwrap().unwrap());
+    let full = solved(scene, 1.0);
+    let now = drawn(&torso, &full);
+    let attached = torso.attached(full.solution().problem(), None);
+    let mut from_edge = vec![0.0_f64; now.vertices.len()];
+    for moved in &attached.moved {
+        let weights = moved.weights.as_ref().map_or(0.0, Weights::from_edge_mm);
+        from_edge[moved.vertex as usize] += weights;
+    }
+    let crosses = |triangle: &&[u32; 3]| {
+        // Beside skin far from the edge stays what lies below the wall.
+        let of = triangle.map(|k| from_edge[k as usize]);
+        let is_out = of.map(|mm| mm <= 0.0);
+        is_out.contains(&true) && is_out.contains(&false) && of.iter().all(|mm| *mm < 15.0)
+    };
+    let crossed: HashSet<u32> =
+        now.indices.as_chunks::<3>().0.iter().filter(crosses).flatten().copied().collect();
+    assert!(crossed.len() > 100, "{}", crossed.len());
+    let normal = |of: &[Vertex], k: u32| Vec3::from_slice(&of[k as usize][3..6]);
+    let turn = |k: u32| normal(&torso.before.vertices, k).angle_between(normal(&now.vertices, k));
+    let near = crossed.into_iter().filter(|k| from_edge[*k as usize] < 10.0);
+    near.map(turn).fold(0.0, f32::max).to_degrees()
+}
+
+/// Round and anatomical, 300 ml, on the usual woman, and on five others.
+#[test]
+fn the_drawn_torso_of_any_tape_has_no_seam_at_the_edge_of_the_tissue() {
+    let on = |torso: scene::Torso| {
+        let mut scene = Scene::opening();
+        scene.set_torso(torso);
+        scene.implant.projection_mm = 39.8;
+        scene
+    };
+    let usual = on(scene::Torso::default());
+    let mut anatomical = usual.clone();
+    anatomical.implant.base_height_mm = Some(108.0);
+    anatomical.implant.apex_shift_mm = 12.0;
+    anatomical.implant.projection_mm = 44.2;
+    let others = (1..6).map(|k| {
+        // Numbers without gaps between 0 and 1.
+        let part = |step: f64| (f64::from(k) * step).fract();
+        on(scene::Torso {
+            chest_width_mm: 235.0 + 65.0 * part(0.8567),
+            breast_width_mm: 120.0 + 25.0 * part(0.7339),
+            notch_nipple_mm: 190.0 + 45.0 * part(0.6287),
+            nipple_nipple_mm: 195.0 + 40.0 * part(0.5386),
+            breast_volume_ml: 100.0 + 350.0 * part(0.4614),
+        })
+    });
+    let scenes = [usual, anatomical].into_iter().chain(others);
+    let turns: Vec<f32> = scenes.map(turn_across_the_edge).collect();
+    assert!(turns.iter().all(|turn| *turn < 2.0), "{turns:?}");
 }
 
 /// Her own body: drawn as `deform` makes it, on either side.

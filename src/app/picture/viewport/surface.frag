@@ -112,7 +112,7 @@ void main() {
     if (has_value) {
         float t = clamp((v_value - u_range.x) / (u_range.y - u_range.x), 0.0, 1.0);
         vec3 scale = texture(u_table, vec2(t, 0.5)).rgb;
-        base = u_material == 4 ? mix(base, scale, clamp(-1.0 - v_grid.y, 0.0, 1.0)) : scale;
+        base = u_material == 4 ? mix(base, scale, smoothstep(0.5, 1.0, -1.0 - v_grid.y)) : scale;
     }
     base = linear_of(base);
     if (u_material == 1) base = patterned(base, 0.7 * length(fwidth(v_position)));
