@@ -81,10 +81,9 @@ fn side_of_answer(session: &Session) -> Option<&'static str> {
     session.other_side().map(|_| side_in_a_word(session.scene()))
 }
 
-/// The heading in a line, with the side as "What happens · right".
-pub(super) fn heading_in_words(session: &Session) -> String {
-    let heading = tr("What happens");
-    side_of_answer(session).map_or_else(|| heading.to_owned(), |side| format!("{heading} · {side}"))
+/// A name with the side whose values are shown, as "What happens · right"; the name alone where both sides have one plan.
+pub(super) fn with_side(name: &str, session: &Session) -> String {
+    side_of_answer(session).map_or_else(|| name.to_owned(), |side| format!("{name} · {side}"))
 }
 
 /// Shows the heading with the state of the computation.

@@ -60,7 +60,7 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     let figure = Figure {
         headline: answer::headline(session, practices, PreviousResults::Shown),
         plan: plan::rows_of_sides(session.scene(), device),
-        heading: answer::heading_in_words(session),
+        heading: answer::with_side(tr("What happens"), session),
         cards: cards((session, practices), device, uncertainty.of_cards(session.scene())),
         remarks: remarks(session, device),
         patient: plan::patient_in_words(session.scene()),
@@ -115,8 +115,8 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
         };
         let mut poses = Vec::new();
         if no_answer::has_picture(session) {
-            let names =
-                [tr("From the front"), tr("Three-quarter view"), tr("From the patient's side")];
+            let side = answer::with_side(tr("From the patient's side"), session);
+            let names = [tr("From the front"), tr("Three-quarter view"), &*side];
             for (pose, name) in Standing::ALL.into_iter().zip(names) {
                 poses.push(take(name, pose_size, &mut |ui| viewport.show(ui, standing(pose)))?);
             }
@@ -140,6 +140,7 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
                     format!("{}, {name}", tr("Cross-section"))
                 }
             };
+            let name = answer::with_side(&name, session);
             further.push(take(&name, size, &mut |ui| {
                 egui::Frame::new().inner_margin(SPACE).show(ui, |ui| {
                     plots::section_chart(ui, session, compare, (section, plane), size.0.y - 48.0);
@@ -185,7 +186,7 @@ pub(crate) fn report(
         poses,
         pins,
         further,
-        heading: answer::heading_in_words(session),
+        heading: answer::with_side(tr("What happens"), session),
         implant: plan::implants_in_words(session.scene(), device),
         missing: missing.map(|how| device.words(how)),
         visit: plan::visit_in_words(session.scene()),
