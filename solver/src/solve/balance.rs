@@ -5,6 +5,7 @@ use super::newton::Start;
 use super::yielding::Yielding;
 use super::{Solver, Verdict};
 use crate::contact::Modes;
+use crate::mesh::NodeKind;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -32,9 +33,11 @@ impl Solver {
     /// Moves an implant that yields towards the balance with the solution of Newton's method, and starts again from there; false if it
     /// is balanced.
     pub(super) fn rebalance(&mut self) -> bool {
+        let Some(own) = Yielding::of(&self.problem, self.problem.mirrored()) else { return false };
         let dome = &self.problem.obstacle.dome;
-        let Some(mut yielding) = Yielding::of(dome, self.problem.mirrored()) else { return false };
-        let step = yielding.step(&self.solution().part_reactions().work(&self.solution()));
+        let work = self.solution().part_reactions().work(&self.solution());
+        let yielding = self.yielding.get_or_insert(own);
+        let step = yielding.next_step(&work);
         let most = BALANCED * self.problem.tolerance * dome.reference_length();
         self.balances += 1;
         if yielding.greatest_move(&step) <= most {
@@ -46,9 +49,11 @@ impl Solver {
         }
         yielding.advance(&step);
         let before = dome.clone();
-        self.deform(yielding.modes);
+        let modes = yielding.modes;
+        self.deform(modes);
         let dome = &self.problem.obstacle.dome;
-        for k in 0..self.x.len() {
+        let kinds = self.problem.sheet().kinds();
+        for k in (0..self.x.len()).filter(|k| kinds[*k] == NodeKind::Free) {
             let way: DVec3 = dome.way_after(&before, self.x[k], FOLLOWING);
             self.x[k] += way;
             self.outer.iter_mut().for_each(|layer| layer[k] += way);

@@ -45,7 +45,7 @@ impl Solver {
             multigrid.modes().is_none() && multigrid.fits(problem, mirrored, &self.law)
         };
         let is_like_before = self.has_law_of(problem)
-            && Yielding::of(&problem.obstacle.dome, mirrored).is_none()
+            && Yielding::of(problem, mirrored).is_none()
             && problem.void.is_none()
             && self.problem.void.is_none()
             && problem.rest.growth() <= 0.0

@@ -71,6 +71,8 @@ pub struct Solver {
     newton_work_before_growth: f64,
     /// Steps of the numbers of an implant that yields, between solutions by Newton's method.
     balances: u32,
+    /// The implant that yields, once Newton's method has had a solution.
+    yielding: Option<yielding::Yielding>,
     /// Positions of the inner face \[mm\], shape (nodes_per_side², ).
     x: Vec<DVec3>,
     /// Positions of the layers of nodes above the inner face \[mm\], shape (layers, nodes_per_side²); none in a sheet.
@@ -131,6 +133,7 @@ impl Solver {
             seal: seal::Seal::default(),
             newton_work_before_growth: 0.0,
             balances: 0,
+            yielding: None,
             displayed: Displayed::Previous,
             kept: None,
             revision: 0,
@@ -218,6 +221,7 @@ impl Solver {
         self.unseal();
         self.newton_work_before_growth = 0.0;
         self.balances = 0;
+        self.yielding = None;
         self.invalid = None;
         self.displayed = Displayed::Previous;
         self.kept = None;

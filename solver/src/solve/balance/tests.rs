@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::contact::{Deformed, Dome, HalfBall, MODES, Obstacle};
-use crate::curve::{Curve, CurveSpec, ScaledCurve};
+use crate::curve::{Curve, CurveSpec, Fat, ScaledCurve};
 use crate::mesh::{Attachment, Chest, Edge, NaturalStretch, Patch, Rest, Sheet};
 use crate::solve::{Method, Options, Problem, Progress, Tissue, samples};
 use crate::springs::{Material, Springs};
@@ -104,6 +104,35 @@ fn multigrid_and_newtons_method_balance_alike() {
         let fixed = own[4..].iter().filter(|shear| **shear == 0.0).count();
         assert_eq!(fixed, symmetric, "{own:?}");
         assert!((force(&multigrid) / force(&newton) - 1.0).abs() < 5e-3);
+    }
+}
+
+/// Under a sheet that is stiffer than its reactions show, clamped so near to the implant that the edge's nodes are beside its surface: in a few cycles and
+/// few solutions of Newton's method, with the edge in its place.
+#[test]
+fn an_implant_balances_under_a_tight_sheet() {
+    let skin = ScaledCurve { strain_scale: 0.12, stress_scale: 1.3, ..CurveSpec::Skin {}.into() };
+    let skin = Material::new(Curve::scaled(&skin).unwrap(), 0.48, 1.8);
+    let dome = Dome::new(DVec2::ZERO, HalfBall::round(60.0, 30.0), 1.0);
+    let rigid = Problem {
+        rest: Rest::of_sheet(Sheet::new(33, 70.0)),
+        patch: Patch::clamped_at_pocket(70.0),
+        obstacle: Obstacle::on_flat_wall(dome),
+        materials: vec![skin, Material::of(&CurveSpec::Fat { variant: Fat::Mid }, 0.48, 9.5)],
+        ..samples::sheet(33, [0.0; 2], 1.0)
+    };
+    let problem = soft(&rigid, 49.0);
+    let multigrid = solved(problem.clone());
+    let newton = solved_by(problem, Method::Newton);
+    assert!(!multigrid.fell_back() && multigrid.work_units() < 200.0, "{:?}", multigrid.report());
+    assert!(newton.balances <= 12, "{}", newton.balances);
+    let (own, other) = (modes(&multigrid), modes(&newton));
+    let apart = own.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(own[0] > 0.1 && apart < 2e-3, "{own:?} {other:?}");
+    assert!((force(&multigrid) / force(&newton) - 1.0).abs() < 5e-3);
+    for (k, kind) in newton.problem().sheet().kinds().iter().enumerate() {
+        let is_free = *kind == NodeKind::Free;
+        assert!(is_free || newton.positions()[k] == newton.problem().rest.node(0, k), "{k}");
     }
 }
 

@@ -8,7 +8,7 @@ use super::FullMultigrid;
 use crate::contact::{MODES, Modes, Obstacle};
 use crate::model::ElasticModel;
 use crate::solve::Problem;
-use crate::solve::yielding::Yielding;
+use crate::solve::yielding::{Work, Yielding};
 
 /// The implant of a problem, and its numbers in the cycles before.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Yielded {
 impl Yielded {
     /// At rest at the start of a solve; `None` of an implant that does not yield.
     pub(super) fn of(problem: &Problem, mirrored: [bool; 2]) -> Option<Self> {
-        let mut own = Yielding::of(&problem.obstacle.dome, mirrored)?;
+        let mut own = Yielding::of(problem, mirrored)?;
         own.modes = [0.0; MODES];
         Some(Self { own, last: [[0.0; MODES]; 2] })
     }
@@ -43,6 +43,7 @@ impl Yielded {
 
     pub(super) fn begin_grid(&mut self) {
         self.last = [self.own.modes; 2];
+        self.own.begin_grid();
     }
 }
 
@@ -52,19 +53,19 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.yielded.as_ref().map(Yielded::modes)
     }
 
-    /// The step of the numbers towards the balance with the forces at the present displacements of the grid being solved.
-    fn step_of_shape(&mut self) -> Option<Modes<f64>> {
+    /// The work of the forces at the present displacements of the grid being solved by the numbers; `None` of an implant that does not yield.
+    fn work_on_shape(&mut self) -> Option<Work> {
+        self.yielded.as_ref()?;
         let spacing = self.grid_spacing();
-        let yielded = self.yielded.as_ref()?;
         let work = self.levels[self.grid].work(&self.model);
-        let energy = self.model.stiffness() * spacing * spacing;
-        Some(yielded.own.step(&work.scaled(energy, spacing)))
+        Some(work.scaled(self.model.stiffness() * spacing * spacing, spacing))
     }
 
     /// Moves the numbers by a step towards the balance, on all grids.
     pub(super) fn yield_to_tissue(&mut self) {
-        let Some(step) = self.step_of_shape() else { return };
+        let Some(work) = self.work_on_shape() else { return };
         let Some(yielded) = &mut self.yielded else { return };
+        let step = yielded.own.next_step(&work);
         yielded.own.advance(&step);
         let modes = yielded.own.modes;
         for (grid, level) in self.levels.iter_mut().enumerate() {
@@ -94,9 +95,9 @@ impl<M: ElasticModel> FullMultigrid<M> {
 
     /// Computes the move of the implant's surface by the next step of its numbers; false for an implant that does not yield.
     pub(super) fn find_imbalance(&mut self) -> bool {
-        let Some(step) = self.step_of_shape() else { return false };
+        let Some(work) = self.work_on_shape() else { return false };
         let Some(yielded) = &self.yielded else { return false };
-        self.convergence.imbalance = yielded.own.greatest_move(&step);
+        self.convergence.imbalance = yielded.own.greatest_move(&yielded.own.step(&work));
         true
     }
 }
