@@ -529,7 +529,7 @@ fn a_scene_without_an_answer_on_the_coarser_grid_is_solved_on_its_own() {
     settle(&mut session);
     edit(&mut session, 1, |scene| {
         scene.implant.projection_mm = 75.0;
-        scene.implant.base_radius_mm = 40.0;
+        scene.implant.base_radius_mm = 30.0;
     });
     assert_eq!(session.advance(&mut || false), Progress::Working);
     assert_eq!((session.coarser_nodes_per_side(), session.is_on_coarser_grid()), (None, false));

@@ -34,6 +34,7 @@ describe("the language of the page", { timeout: 10 * harness.PATIENCE }, () => {
       "Hacia arriba (cm)",
       "Insertado (%)",
       "Líquido en el bolsillo",
+      "Postura",
       "N.º paciente",
       "Lado",
       "Fecha de la visita",
