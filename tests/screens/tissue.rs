@@ -24,9 +24,6 @@ fn layers_are_added_exchanged_and_removed() {
 #[test]
 fn the_tissue_model_is_chosen_and_layered_tissue_adds_its_controls_and_readings() {
     let mut harness = unfolded(|_| {});
-    let force = |harness: &Harness<'static, App>| {
-        harness.state().outcome().unwrap().contact_force_n.unwrap()
-    };
     let choose = |harness: &mut Harness<'static, App>, model: &'static str| {
         harness.get_by_role_and_label(Role::ComboBox, "Tissue model").click();
         harness.run();
@@ -193,14 +190,16 @@ fn fluid_beside_the_implant_is_limited_by_a_chip_and_a_number_and_freed_again() 
     assert!((result(&harness).1 - force).abs() < 1e-9);
 }
 
+/// The contact force of the plan \[N\].
+fn force(harness: &Harness<'static, App>) -> f64 {
+    harness.state().outcome().unwrap().contact_force_n.unwrap()
+}
+
 #[test]
 fn a_posture_is_a_choice_in_which_the_implant_bears_more() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");
     press(&mut harness, "Pin as A");
-    let force = |harness: &Harness<'static, App>| {
-        harness.state().outcome().unwrap().contact_force_n.unwrap()
-    };
     let before = force(&harness);
     press(&mut harness, "Lying");
     assert!(force(&harness) > before, "{} {before}", force(&harness));
@@ -214,9 +213,6 @@ fn a_new_fold_is_a_number_of_the_plan_that_eases_the_tissue() {
     let mut harness = app(WIDE, |scene| *scene = flat_plan());
     unfold(&mut harness, "Tissue");
     press(&mut harness, "Pin as A");
-    let force = |harness: &Harness<'static, App>| {
-        harness.state().outcome().unwrap().contact_force_n.unwrap()
-    };
     let before = force(&harness);
     type_into(&mut harness, "New fold lower (cm)", "1.4");
     assert_eq!(harness.state().session().scene().body.pocket_lowered_mm, 14.0);

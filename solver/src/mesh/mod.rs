@@ -1,6 +1,6 @@
 //! Grids on the patch's disc.
 //!
-//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `geodesics` (over it), `height_field` (its heights in f64 and for four f32), `grid` (heights and thickness of a scan), `spline` (a function through samples) | `natural` (the stretch of the skin at rest), `grown` (the growth of its triangles) | `taper` (the edge of the innermost solid) | `weight` (its change) | `enclosed` (the volume under the inner face) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue, its pocket and its edge) |
+//! `disc_grid` (nodes and cells, their shapes at rest) | `chest` (the wall at rest), `geodesics` (over it), `height_field` (its heights in f64 and for four f32), `grid` (heights and thickness of a scan), `spline` (a function through samples) | `natural` (the stretch of the skin at rest), `grown` (the growth of its triangles) | `taper` (the edge of the innermost solid) | `weight` (a change of the tissue's weight) | `enclosed` (the volume under the inner face) | `rest` (the tissue at rest: columns of nodes, layers of cells) | `patch` (the simulated tissue, its pocket and its edge) |
 //! `stencil` (the sparse matrix of a grid) | `part` (the quarter or half that determines a symmetric shape) | `lanes`, `lane_field`, `vec3` (the same grid and vectors at its nodes for four f32 at a time).
 //!
 //! Uses `number`. Used by `contact`, `model`, `solve` and all to their right.

@@ -307,7 +307,12 @@ impl Rest {
         if self.is_even() || !corners.into_iter().all(is_within) {
             return spacing * spacing;
         }
-        let [a, b, c, d] = corners.map(|k| self.node(0, k));
+        self.area_of_face(0, corners)
+    }
+
+    /// Area between four nodes of a layer, one after the other \[mm²\].
+    pub(super) fn area_of_face(&self, layer: usize, corners: [usize; 4]) -> f64 {
+        let [a, b, c, d] = corners.map(|k| self.node(layer, k));
         0.5 * (c - a).cross(d - b).length()
     }
 

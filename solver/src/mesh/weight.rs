@@ -53,8 +53,7 @@ impl Rest {
                     weight[face][k] += share;
                 }
             }
-            let [a, b, c, d] = corners.map(|k| self.node(top, k));
-            let area = 0.5 * (c - a).cross(d - b).length();
+            let area = self.area_of_face(top, corners);
             for k in corners {
                 weight[top][k] += per_volume * (0.25 * area * skin_mm);
             }

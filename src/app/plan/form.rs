@@ -214,6 +214,11 @@ fn posture_field(scene: &Scene) -> Field {
     )
 }
 
+/// Place of a text among the words of a choice; else the words, with commas between.
+fn position_of<const N: usize>(words: [&str; N], text: &str) -> Result<usize, String> {
+    words.iter().position(|word| *word == text.trim()).ok_or_else(|| words.join(", "))
+}
+
 /// Sets a field from its text. A number may have a decimal comma and a unit.
 ///
 /// # Errors
@@ -235,47 +240,34 @@ pub(crate) fn set(
         return Ok(());
     }
     if name == SHAPE && has_shape(choices) {
-        let words = shape::CHOICES.map(|(word, _)| word);
-        let is_anatomical = words.iter().position(|word| *word == text.trim());
-        let is_anatomical = is_anatomical
-            .ok_or_else(|| tr!("Implant: allowed: {words}", words = words.join(", ")))?;
-        shape::set_anatomical(scene, choices, is_anatomical == 1);
+        let refusal = |words| tr!("Implant: allowed: {words}", words);
+        let found = position_of(shape::CHOICES.map(|(word, _)| word), text).map_err(refusal)?;
+        shape::set_anatomical(scene, choices, found == 1);
         return Ok(());
     }
     if name == FILL && has_shape(choices) {
-        let choices = fill::CHOICES;
-        let found = choices.into_iter().find(|(word, ..)| *word == text.trim());
-        let (_, fill, ..) = found.ok_or_else(|| {
-            tr!("Filled with: allowed: {words}", words = choices.map(|(word, ..)| word).join(", "))
-        })?;
-        scene.implant.fill = fill;
+        let refusal = |words| tr!("Filled with: allowed: {words}", words);
+        let found = position_of(fill::CHOICES.map(|(word, ..)| word), text).map_err(refusal)?;
+        scene.implant.fill = fill::CHOICES[found].1;
         return Ok(());
     }
     if name == CHEST && scene.is_layered() {
-        let choices = chest::CHOICES;
-        let found = choices.into_iter().find(|(word, ..)| *word == text.trim());
-        let (_, chest, _) = found.ok_or_else(|| {
-            tr!("Chest: allowed: {words}", words = choices.map(|(word, ..)| word).join(", "))
-        })?;
-        chest.set(scene);
+        let refusal = |words| tr!("Chest: allowed: {words}", words);
+        let found = position_of(chest::CHOICES.map(|(word, ..)| word), text).map_err(refusal)?;
+        chest::CHOICES[found].1.set(scene);
         return Ok(());
     }
     if name == FLUID && scene.is_layered() {
-        let words = pocket::FLUIDS.map(|(word, ..)| word);
-        let found = words.iter().position(|word| *word == text.trim());
-        let found = found.ok_or_else(|| {
-            tr!("Fluid in the pocket: allowed: {words}", words = words.join(", "))
-        })?;
+        let refusal = |words| tr!("Fluid in the pocket: allowed: {words}", words);
+        let found = position_of(pocket::FLUIDS.map(|(word, ..)| word), text).map_err(refusal)?;
         pocket::limit_fluid(scene, found == 1);
         return Ok(());
     }
     if name == POSTURE && scene.is_layered() {
-        let choices = posture::POSTURES;
-        let found = choices.into_iter().find(|(_, word, ..)| *word == text.trim());
-        let (posture, ..) = found.ok_or_else(|| {
-            tr!("Posture: allowed: {words}", words = choices.map(|(_, word, ..)| word).join(", "))
-        })?;
-        scene.body.posture = posture;
+        let refusal = |words| tr!("Posture: allowed: {words}", words);
+        let words = posture::POSTURES.map(|(_, word, ..)| word);
+        let found = position_of(words, text).map_err(refusal)?;
+        scene.body.posture = posture::POSTURES[found].0;
         return Ok(());
     }
     if let Some(set) = visit::set_form_field(scene, name, text) {

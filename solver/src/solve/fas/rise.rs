@@ -1,6 +1,6 @@
 //! A dome that rises in steps on one of the grids and, where the rise fails, goes on from its last solution on the next finer grid.
 //!
-//! The solution under a dome that is to rise further is a start only: three cycles. Every one of a coarser grid is kept. A rise
+//! The solution under a dome that is to rise further is a start only: three cycles. Each one on a coarser grid is kept. A rise
 //! fails where a grid has no shape under the next dome, or the first cycles of a finer grid lose the shape; it goes on
 //! there from the highest dome with a solution, the next time from the one below.
 

@@ -39,7 +39,11 @@ impl Layered {
         };
         let mut at_rest = Field::new(layout.len(), self.layers());
         let unit = 1.0 / (self.stiffness * spacing);
-        let weight = finest.restricted(layout.nodes_per_side).change_of_weight();
+        // Tissue of even thickness over a flat wall is not given on coarser grids.
+        let weight = match rest {
+            Some(rest) => rest.change_of_weight(),
+            None => finest.restricted(layout.nodes_per_side).change_of_weight(),
+        };
         for (layer, weight) in weight.iter().enumerate() {
             let skin =
                 Some(&of_skin).filter(|skin| layer + 1 == self.layers() && !skin.x.is_empty());
