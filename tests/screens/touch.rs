@@ -128,3 +128,44 @@ fn a_tap_on_the_picture_shows_values_until_the_next() {
     harness.step();
     assert_eq!(boxes(&harness), 0);
 }
+
+/// Least height of a row for a finger \[points\].
+const FINGER: f32 = 44.0;
+
+/// The controls of a role with their places.
+fn sizes_of(harness: &Harness<'static, App>, role: Role) -> Vec<(String, egui::Rect)> {
+    let nodes = harness.query_all_by_role(role);
+    let sizes = nodes.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect()));
+    sizes.collect()
+}
+
+#[test]
+fn rows_of_menus_and_lists_have_the_size_of_a_finger_on_a_phone() {
+    for size in [PHONE, egui::vec2(PHONE.y, PHONE.x)] {
+        for (menu, further, last) in
+            [("File", "Save shape (3-D)", "Usual implant"), ("View", "Colours", "Commands…")]
+        {
+            let mut harness = app(size, |_| {});
+            let before = sizes_of(&harness, Role::Button);
+            press(&mut harness, menu);
+            harness.run_steps(4);
+            // An upright phone has room for all rows, on a turned one they scroll.
+            let is_whole = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+                egui::Shape::Text(text) if text.galley.text() == last => {
+                    shape.clip_rect.contains_rect(text.visual_bounding_rect())
+                }
+                _ => false,
+            };
+            assert!(size != PHONE || harness.output().shapes.iter().any(is_whole), "{last}");
+            press(&mut harness, further);
+            harness.run_steps(4);
+            let tall = |(_, rect): &(String, egui::Rect)| rect.height() >= FINGER;
+            let mut added = sizes_of(&harness, Role::Button);
+            added.retain(|button| !before.contains(button));
+            assert!(added.len() > 5, "{added:?}");
+            let ticks = sizes_of(&harness, Role::CheckBox);
+            assert!(added.iter().chain(&ticks).all(tall), "{added:?} {ticks:?}");
+            assert!(cut_texts(&harness).is_empty(), "{:?}", cut_texts(&harness));
+        }
+    }
+}

@@ -10,7 +10,7 @@ use super::toolbar::Layout;
 use super::{commands, keys, opened, research, toolbar};
 use crate::app::texts::{self, tr};
 use crate::app::widgets::theme;
-use crate::app::widgets::{drop_typed_number, note_cancelled_press};
+use crate::app::widgets::{drop_typed_number, note_cancelled_press, note_fingers};
 use crate::app::{App, Panels, plan};
 use crate::measure::no_shape;
 use crate::scene::Scene;
@@ -95,6 +95,7 @@ impl App {
         self.focus.boundary(ui, Boundary::First);
         let is_narrow = ui.available_width() < theme::NARROW || ui.available_height() < theme::LOW;
         let layout = if is_narrow { Layout::Narrow } else { Layout::Wide };
+        note_fingers(&ctx, is_narrow);
         if !self.scan_step(ui, &mut scene, layout) {
             match layout {
                 Layout::Narrow => self.narrow(ui, &mut scene),

@@ -101,7 +101,11 @@ impl App {
             Layout::Wide => {
                 let [width, _] = self.screen.panel_widths.fitting(ui.available_width());
                 side_panel(ui, egui::Panel::left("scan"), width).show(ui, |ui| {
-                    column("scan").show(ui, |ui| self.scan_controls(ui, Hand::Mouse));
+                    column("scan").show(ui, |ui| {
+                        self.scan_controls(ui, Hand::Mouse);
+                        self.scan_buttons(ui);
+                        self.focus.scroll_into_view(ui);
+                    });
                 });
             }
             Layout::Narrow => {
@@ -112,8 +116,15 @@ impl App {
                     egui::Panel::bottom("scan below").exact_size(0.46 * screen.y)
                 };
                 sheet.resizable(false).show(ui, |ui| {
+                    // In sight however far the controls are scrolled.
+                    egui::Panel::bottom("scan buttons")
+                        .resizable(false)
+                        .show(ui, |ui| self.scan_buttons(ui));
                     let column = egui::ScrollArea::vertical().auto_shrink([false, false]);
-                    column.show(ui, |ui| self.scan_controls(ui, Hand::Finger));
+                    column.show(ui, |ui| {
+                        self.scan_controls(ui, Hand::Finger);
+                        self.focus.scroll_into_view(ui);
+                    });
                 });
             }
         }
@@ -137,9 +148,14 @@ impl App {
 
     fn scan_controls(&mut self, ui: &mut Ui, hand: Hand) {
         if let Some(scan) = &mut self.scan {
-            let choice = scan.show(ui, self.shared.session.scene(), hand);
+            scan.show(ui, self.shared.session.scene(), hand);
+        }
+    }
+
+    fn scan_buttons(&mut self, ui: &mut Ui) {
+        if let Some(scan) = &mut self.scan {
+            let choice = scan.buttons(ui, self.shared.session.scene());
             self.actions.extend(choice.map(Action::EndScan));
         }
-        self.focus.scroll_into_view(ui);
     }
 }

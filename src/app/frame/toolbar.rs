@@ -8,8 +8,8 @@ use super::shared::Shared;
 use crate::app::answer::measured;
 use crate::app::picture::view_menu::view_menu;
 use crate::app::texts::tr;
-use crate::app::widgets::button_if;
 use crate::app::widgets::theme;
+use crate::app::widgets::{button_if, fit_fingers, menu};
 use crate::body::write::write;
 use crate::contact::Dome;
 use crate::export::{Body, Format, Solid};
@@ -30,12 +30,15 @@ pub(crate) enum Layout {
 
 /// The row of buttons over the whole window.
 pub(crate) fn show(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut Vec<Action>) {
-    ui.add_space(theme::SPACE_SMALL);
+    // Rows for fingers need no space around them.
+    let space = if layout == Layout::Wide { theme::SPACE_SMALL } else { 0.0 };
+    ui.add_space(space);
     ui.horizontal(|ui| {
         if layout == Layout::Wide {
             ui.label(RichText::new(tr("Implant preview")).strong());
             ui.separator();
         } else {
+            fit_fingers(ui);
             fit_in_row(ui);
         }
         let button = &mut ui.visuals_mut().widgets.inactive;
@@ -63,11 +66,11 @@ pub(crate) fn show(ui: &mut Ui, layout: Layout, shared: &Shared, actions: &mut V
             }
         });
     });
-    ui.add_space(theme::SPACE_SMALL);
+    ui.add_space(space);
 }
 
 fn file_menu(ui: &mut Ui, shared: &Shared, actions: &mut Vec<Action>) {
-    ui.menu_button(tr("File"), |ui| {
+    menu(ui, tr("File"), |ui| {
         for task in [
             Task::OpenPlan,
             Task::OpenTable,

@@ -8,7 +8,7 @@ use crate::app::frame::shared::Shared;
 use crate::app::frame::toolbar::Layout;
 use crate::app::texts::tr;
 use crate::app::widgets::theme;
-use crate::app::widgets::{Kind, NumberField};
+use crate::app::widgets::{Kind, NumberField, fit_fingers};
 use crate::view::quantity::Quantity;
 use eframe::egui::{self, Rect, Ui, UiBuilder};
 
@@ -30,6 +30,7 @@ pub(crate) fn show(
     let row = ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE_SMALL;
         ui.spacing_mut().button_padding.x = 6.0;
+        fit_fingers(ui);
         subject_switch(ui, shared, actions);
         match layout {
             Layout::Narrow => view_menu(ui, true, shared, actions),

@@ -7,7 +7,7 @@ use crate::app::frame::action::{Action, Task};
 use crate::app::frame::commands::{entry_of, menu_item};
 use crate::app::frame::shared::Shared;
 use crate::app::texts::{self, tr};
-use crate::app::widgets::{choice, set_accessible_name};
+use crate::app::widgets::{choice, menu, set_accessible_name};
 use crate::view::camera::View;
 use crate::view::quantity::Quantity;
 use eframe::egui::{self, Ui};
@@ -23,7 +23,7 @@ pub(crate) const VIEWS: [View; 4] = [View::Front, View::Side, View::Top, View::A
 /// The menu of the picture, of preferences and of all commands; on a narrow screen on the picture, with the standard views and the range.
 pub(crate) fn view_menu(ui: &mut Ui, is_narrow: bool, shared: &Shared, actions: &mut Vec<Action>) {
     let name = if is_narrow { "…" } else { tr("View") };
-    let menu = ui.menu_button(name, |ui| {
+    let button = menu(ui, name, |ui| {
         if is_narrow {
             ui.horizontal(|ui| {
                 for view in VIEWS {
@@ -51,7 +51,7 @@ pub(crate) fn view_menu(ui: &mut Ui, is_narrow: bool, shared: &Shared, actions: 
         ui.separator();
         menu_item(ui, shared, Task::List, actions);
     });
-    set_accessible_name(&menu.response, egui::Role::Button, tr("View"));
+    set_accessible_name(&button, egui::Role::Button, tr("View"));
 }
 
 fn cuts(ui: &mut Ui, options: &Options, actions: &mut Vec<Action>) {

@@ -121,11 +121,10 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
         Some(_) => tr("torso by a tape…"),
         None => tr("chest by its radii…"),
     };
-    let list =
-        egui::ComboBox::from_id_salt("chest").width(150.0).selected_text(match scene.placement {
-            Some(_) => tr("hers, from the scan"),
-            None => name(present),
-        });
+    let list = widgets::list(ui, "chest").width(150.0).selected_text(match scene.placement {
+        Some(_) => tr("hers, from the scan"),
+        None => name(present),
+    });
     let response = list
         .show_ui(ui, |ui| {
             for (word, chest, tooltip) in CHOICES {

@@ -72,7 +72,7 @@ pub(crate) fn fill_in_words(scene: &Scene) -> String {
 pub(super) fn fill(ui: &mut Ui, scene: &mut Scene) {
     named(ui, tr("Filled with"), |ui| {
         let present = choice(scene);
-        let list = egui::ComboBox::from_id_salt("fill").width(150.0);
+        let list = widgets::list(ui, "fill").width(150.0);
         let list = list.selected_text(fill_in_words(scene)).truncate();
         let response = list.show_ui(ui, |ui| {
             for (word, fill, name, tooltip) in CHOICES {

@@ -8,7 +8,7 @@ use crate::app::frame::toolbar::Layout;
 use crate::app::plan::{Hand, chip};
 use crate::app::texts::tr;
 use crate::app::widgets::theme;
-use crate::app::widgets::{NumberField, button_if, choice, set_accessible_name};
+use crate::app::widgets::{NumberField, button_if, choice, list, set_accessible_name};
 use crate::scene::Scene;
 use crate::study::{Parameter, Quantity};
 use eframe::egui::{self, Button, RichText, Ui};
@@ -82,7 +82,7 @@ impl Range {
         if layout == Layout::Wide {
             quiet(ui, if self.up.is_some() { tr("Colour") } else { tr("Curve") });
         }
-        let response = egui::ComboBox::from_id_salt("range quantity")
+        let response = list(ui, "range quantity")
             .width(if layout == Layout::Wide { 170.0 } else { 150.0 })
             .truncate()
             .selected_text(tr(self.quantity.title()))
@@ -106,7 +106,7 @@ impl Range {
         let selected = present.map_or(tr(NOTHING), |field| Words::of(field).name);
         quiet(ui, name);
         let mut chosen = None;
-        let response = egui::ComboBox::from_id_salt(name)
+        let response = list(ui, name)
             .width(112.0)
             .truncate()
             .selected_text(selected)
@@ -173,7 +173,7 @@ impl Range {
 
     fn fineness_box(&mut self, ui: &mut Ui) {
         let present = FINENESS.iter().find(|(_, count)| *count == self.fineness);
-        let response = egui::ComboBox::from_id_salt("fineness")
+        let response = list(ui, "fineness")
             .width(70.0)
             .selected_text(present.map_or("", |(name, _)| tr(name)))
             .show_ui(ui, |ui| {

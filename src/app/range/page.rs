@@ -13,7 +13,7 @@ use crate::app::frame::toolbar::Layout;
 use crate::app::plan::{Hand, chip};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::theme;
-use crate::app::widgets::{rejection_label, remark};
+use crate::app::widgets::{menu, rejection_label, remark};
 use crate::scene::Scene;
 use crate::study::{CHECK, JudgedMap, Map, Parameter, PointStatus, Quantity, with_values};
 use eframe::egui::{self, Button, RichText, Ui};
@@ -189,7 +189,7 @@ impl Range {
             let (scene, device) = (shared.session.scene(), shared.choices.device);
             Action::Save(name_with_size(scene, device, "range", extension), text.into())
         };
-        let menu = ui.menu_button(tr("Save chart"), |ui| {
+        let button = menu(ui, tr("Save chart"), |ui| {
             let mut item = |name: &str| {
                 let item = ui.add_enabled(is_done, Button::new(name));
                 let is_clicked = item.clicked();
@@ -217,7 +217,7 @@ impl Range {
                 });
             }
         });
-        menu.response.on_hover_text(tr("Save all values of the chart, or its picture"));
+        button.on_hover_text(tr("Save all values of the chart, or its picture"));
     }
 
     /// The chart with its controls, in place of the picture.

@@ -3,7 +3,7 @@
 use crate::app::plan::device::Device;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::theme;
-use crate::app::widgets::{remark, set_accessible_name};
+use crate::app::widgets::{list, remark, set_accessible_name};
 use crate::clinical::{Column, Draft, LengthUnit, Reading, Shelf, ShelfSize, UnitOrigin};
 use eframe::egui::{self, RichText, Ui};
 
@@ -163,7 +163,7 @@ fn columns(ui: &mut Ui, draft: &mut Draft) -> bool {
                 ui.add(egui::Label::new(RichText::new(&title).strong()).truncate());
                 ui.add(egui::Label::new(RichText::new(&column.sample).small().weak()).truncate());
             });
-            let menu = egui::ComboBox::from_id_salt(("content", k)).width(110.0);
+            let menu = list(ui, ("content", k)).width(110.0);
             let menu = menu.selected_text(tr(column.column.word())).show_ui(ui, |ui| {
                 for content in Column::ALL {
                     let is_chosen = content == column.column;
@@ -202,7 +202,7 @@ fn unit(
         ui.label(word);
         return;
     }
-    let menu = egui::ComboBox::from_id_salt(("unit", k)).width(60.0).selected_text(word);
+    let menu = list(ui, ("unit", k)).width(60.0).selected_text(word);
     let menu = menu.show_ui(ui, |ui| {
         for unit in [LengthUnit::Cm, LengthUnit::Mm] {
             if ui.selectable_label(unit == column.unit, unit.word()).clicked() {

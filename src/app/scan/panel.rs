@@ -4,8 +4,8 @@ use super::Scan;
 use super::points::{self, COUNT};
 use crate::app::plan::{Hand, chip, chips, named};
 use crate::app::texts::{localized, shown, tr};
-use crate::app::widgets::theme::{self, SPACE, SPACE_SMALL};
-use crate::app::widgets::{Control, rejection_label, remark};
+use crate::app::widgets::theme::{self, SPACE_SMALL};
+use crate::app::widgets::{Control, fit_fingers, rejection_label, remark};
 use crate::body::marks::Side;
 use crate::body::read::Unit;
 use crate::scene::{COVER_MM, Field, Scene};
@@ -19,8 +19,8 @@ pub(crate) enum Choice {
 }
 
 impl Scan {
-    /// Shows the controls. Returns how the user ends the step, once so.
-    pub(crate) fn show(&mut self, ui: &mut Ui, plan: &Scene, hand: Hand) -> Option<Choice> {
+    /// Shows the controls.
+    pub(crate) fn show(&mut self, ui: &mut Ui, plan: &Scene, hand: Hand) {
         ui.add_space(SPACE_SMALL);
         ui.add(
             egui::Label::new(RichText::new(tr!("Scan {name}", name = self.name)).heading()).wrap(),
@@ -33,16 +33,20 @@ impl Scan {
         ui.separator();
         self.list(ui, hand);
         ui.add_space(SPACE_SMALL);
-        // No fit for every step of a drag.
-        let is_held = self.fitted.is_none() && ui.input(|input| input.pointer.any_down());
-        let is_able = !is_held && self.findings(ui, plan);
-        ui.add_space(SPACE_SMALL);
-        self.buttons(ui, is_able, hand)
+        self.findings(ui, plan);
     }
 
-    /// Shows what the fit says. Returns whether there is one.
-    fn findings(&mut self, ui: &mut Ui, plan: &Scene) -> bool {
-        let Some(found) = self.assess(plan) else { return false };
+    /// May the marks be fitted now? No fit for every step of a drag.
+    fn is_at_rest(&self, ui: &Ui) -> bool {
+        self.fitted.is_some() || !ui.input(|input| input.pointer.any_down())
+    }
+
+    /// Shows what the fit says.
+    fn findings(&mut self, ui: &mut Ui, plan: &Scene) {
+        if !self.is_at_rest(ui) {
+            return;
+        }
+        let Some(found) = self.assess(plan) else { return };
         match found {
             Ok(found) => {
                 let color = theme::palette(ui.visuals()).caution;
@@ -52,7 +56,6 @@ impl Scan {
             }
             Err(error) => rejection_label(ui, &shown(error)),
         }
-        found.is_ok()
     }
 
     fn unit(&mut self, ui: &mut Ui, hand: Hand) {
@@ -154,13 +157,14 @@ impl Scan {
         });
     }
 
-    fn buttons(&mut self, ui: &mut Ui, is_able: bool, hand: Hand) -> Option<Choice> {
+    /// The buttons below the controls. Returns how the user ends the step, once so.
+    pub(crate) fn buttons(&mut self, ui: &mut Ui, plan: &Scene) -> Option<Choice> {
+        let is_able = self.is_at_rest(ui) && self.assess(plan).is_some_and(Result::is_ok);
         let palette = theme::palette(ui.visuals());
+        ui.add_space(SPACE_SMALL);
         let mut choice = None;
         ui.horizontal_wrapped(|ui| {
-            if hand == Hand::Finger {
-                ui.spacing_mut().interact_size.y = theme::TOUCH;
-            }
+            fit_fingers(ui);
             let text = RichText::new(tr("Use these marks"));
             let button = match is_able {
                 true => egui::Button::new(text.color(palette.on_accent)).fill(palette.accent),
@@ -177,7 +181,7 @@ impl Scan {
                 self.undo();
             }
         });
-        ui.add_space(SPACE);
+        ui.add_space(SPACE_SMALL);
         choice
     }
 }

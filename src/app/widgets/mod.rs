@@ -15,6 +15,9 @@ pub(super) use quantity::Kind;
 use crate::app::texts::tr;
 use eframe::egui::{self, EventFilter, Id, Key, Modifiers, Response, RichText, Ui};
 use egui::accesskit::{Action, ActionData};
+use egui::containers::menu::{MenuButton, MenuConfig, menu_style};
+use std::fmt::Debug;
+use std::hash::Hash;
 use std::ops::RangeInclusive;
 use theme::{SPACE, SPACE_SMALL};
 
@@ -71,6 +74,55 @@ pub(super) fn characters_left(field: &Response, text: &str, most: usize) {
     }
 }
 
+/// Notes for the menus and lists of a context whether the screen is one for fingers.
+pub(super) fn note_fingers(ctx: &egui::Context, is_for_fingers: bool) {
+    ctx.data_mut(|data| data.insert_temp(fingers_key(), is_for_fingers));
+}
+
+fn is_for_fingers(ctx: &egui::Context) -> bool {
+    ctx.data(|data| data.get_temp(fingers_key())).unwrap_or_default()
+}
+
+fn fingers_key() -> Id {
+    Id::unique("screen for fingers")
+}
+
+/// Buttons of a row at the size of a finger, on a screen for fingers.
+pub(super) fn fit_fingers(ui: &mut Ui) {
+    if is_for_fingers(ui.ctx()) {
+        ui.spacing_mut().interact_size.y = theme::FINGER;
+    }
+}
+
+/// A drop-down box: on a screen for fingers its rows have the size of a finger.
+pub(super) fn list<'a>(ui: &Ui, salt: impl Hash + Debug) -> egui::ComboBox<'a> {
+    let list = egui::ComboBox::from_id_salt(salt);
+    if is_for_fingers(ui.ctx()) { list.popup_style(rows_for_fingers.into()) } else { list }
+}
+
+fn rows_for_fingers(style: &mut egui::Style) {
+    style.spacing.interact_size.y = theme::FINGER;
+    // A row ends where the next one begins.
+    style.spacing.item_spacing.y = 0.0;
+}
+
+/// A menu: on a screen for fingers its rows, and those of the menus in it, have the size of a finger; a menu higher than the screen scrolls.
+pub(super) fn menu(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> Response {
+    if !is_for_fingers(ui.ctx()) {
+        return ui.menu_button(name, add).response;
+    }
+    let style = |style: &mut egui::Style| {
+        menu_style(style);
+        rows_for_fingers(style);
+    };
+    let most = ui.ctx().content_rect().height() - 2.0 * theme::FINGER;
+    let scrolled = |ui: &mut Ui| {
+        egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most).show(ui, add);
+    };
+    let button = MenuButton::new(name).config(MenuConfig::new().style(style));
+    button.ui(ui, scrolled).0
+}
+
 /// Sets the name of a widget, for screen readers and tests, in place of its icon or number.
 pub(super) fn set_accessible_name(response: &Response, role: egui::Role, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(role, response.enabled(), name));
@@ -100,7 +152,7 @@ pub(super) fn labelled_box(
     add: impl FnOnce(&mut Ui),
 ) -> Response {
     let text = ui.label(RichText::new(label).color(ui.visuals().weak_text_color()));
-    let response = egui::ComboBox::from_id_salt(label)
+    let response = list(ui, label)
         .width(ui.available_width() - SPACE)
         .selected_text(selected)
         .show_ui(ui, add)

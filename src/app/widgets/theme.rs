@@ -19,6 +19,8 @@ pub(crate) const VERDICT: f32 = 18.0;
 pub(crate) const FIGURE: f32 = 22.0;
 /// Size of a button for fingers \[points\].
 pub(crate) const TOUCH: f32 = 48.0;
+/// Height of a row for fingers, in menus, lists and rows of buttons \[points\].
+pub(crate) const FINGER: f32 = 44.0;
 /// Width of the window below which the panels become a bottom sheet \[points\].
 pub(crate) const NARROW: f32 = 760.0;
 /// Least size of what a window shows, whole or in part \[points\].
