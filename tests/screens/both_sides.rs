@@ -162,4 +162,9 @@ fn the_switch_has_room_on_a_phone() {
     assert!(harness.ctx.content_rect().contains_rect(chip));
     press(&mut harness, "right");
     assert!(scene(&harness).is_right());
+    // The other side's answer stands below the three figures.
+    let words = harness.get_by_label_contains("left: 300 ml, 12 cm: ").rect();
+    let figure = harness.get_by_role_and_label(Role::Label, "Stretch").rect();
+    assert!(words.top() > figure.bottom() && words.bottom() < chip.top(), "{words} {figure}");
+    assert!(cut_texts(&harness).is_empty(), "{:?}", cut_texts(&harness));
 }

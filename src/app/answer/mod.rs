@@ -32,8 +32,8 @@ use crate::app::frame::status::Pending;
 use crate::app::plan::device::Device;
 use crate::app::plan::{side_in_a_word, when};
 use crate::app::texts::{self, tr, word_of};
-use crate::app::widgets::remark;
 use crate::app::widgets::theme::{self, SPACE};
+use crate::app::widgets::{kept_lines, remark};
 use crate::clinical::When;
 use crate::measure::bands::{self, Limits, SkinLimits};
 use crate::measure::{Outcome, Status};
@@ -127,7 +127,10 @@ pub(super) fn show(
     warnings(ui, session.result());
 }
 
-/// Shows the three figures in one row, for a phone.
+/// Lines of the other side's answer on a phone.
+const OTHER_SIDE: usize = 2;
+
+/// Shows the three figures in one row, for a phone; below them the other side's answer where it has a plan of its own.
 pub(super) fn show_short(
     ui: &mut Ui,
     (session, practices): (&Session, &Practices),
@@ -150,6 +153,9 @@ pub(super) fn show_short(
             ui.label(RichText::new(word).small().color(color));
         }
     });
+    if let Some(words) = other_side_in_words(session, practices) {
+        kept_lines(ui, OTHER_SIDE, |ui| remark(ui, words));
+    }
 }
 
 /// The name of a figure with the range of the sampled patients, where both stand in one line.
@@ -166,22 +172,29 @@ pub(super) fn rows(
     device: Device,
     findings: Option<&Findings>,
 ) -> Vec<[String; 4]> {
-    let cards = cards(&answer(session, practices, PreviousResults::Shown), findings);
-    let row = |card: Card| {
-        let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
-        [
-            device.words(card.title),
-            card.in_a_line(),
-            word.to_owned(),
-            match card.shares {
-                Some(shares) => {
-                    format!("{shares}. {}", device.words(&card.line)).trim_end().to_owned()
-                }
-                None => device.words(&card.line),
-            },
-        ]
+    let answer = answer(session, practices, PreviousResults::Shown);
+    cards(&answer, findings).iter().map(|card| row(card, device)).collect()
+}
+
+/// The cards of the other side in words with their bars; `None` where both sides have one plan, or the other one has no answer.
+pub(super) fn cards_of_other_side(
+    (session, practices): (&Session, &Practices),
+    device: Device,
+) -> Option<Vec<([String; 4], Bar)>> {
+    let answer = answer_of_other_side(session, practices).filter(|of| of.strain.is_some())?;
+    let cards = cards(&answer, None);
+    Some(cards.iter().map(|card| (row(card, device), Bar::of(card))).collect())
+}
+
+/// A card of a device in words: title, figure, word, further line.
+fn row(card: &Card, device: Device) -> [String; 4] {
+    let word = card.verdict.map_or(card.no_verdict, |(_, word)| word);
+    let line = device.words(&card.line);
+    let line = match &card.shares {
+        Some(shares) => format!("{shares}. {line}").trim_end().to_owned(),
+        None => line,
     };
-    cards.into_iter().map(row).collect()
+    [device.words(card.title), card.in_a_line(), word.to_owned(), line]
 }
 
 /// The numbers of sampled patients by the words of the cards of a device, in a sentence for each card, for screen readers.
@@ -331,12 +344,17 @@ fn in_a_line(plan: &Scene, words: &str) -> String {
     format!("{implant}, {} cm{part}{time}: {words}", texts::localized(width))
 }
 
+/// The answer of the other side, where each side has a plan of its own.
+fn answer_of_other_side(session: &Session, practices: &Practices) -> Option<Answer> {
+    let other = session.other_side()?;
+    let problem = other.fields().map_or(session.problem(), |fields| fields.solution().problem());
+    Some(Answer::new(other.outcome(), other.scene(), problem, practices))
+}
+
 /// The other side's plan with its answer in a sentence, where each side has a plan of its own.
 pub(super) fn other_side_in_words(session: &Session, practices: &Practices) -> Option<String> {
-    let other = session.other_side()?;
+    let (other, answer) = session.other_side().zip(answer_of_other_side(session, practices))?;
     let (scene, outcome) = (other.scene(), other.outcome());
-    let problem = other.fields().map_or(session.problem(), |fields| fields.solution().problem());
-    let answer = Answer::new(outcome, scene, problem, practices);
     let words = match (outcome, answer.strain) {
         (None, _) => tr("updating…").to_owned(),
         (Some(_), None) => tr("no answer.").to_owned(),

@@ -13,13 +13,33 @@ const NUMBERS: f64 = 10.0;
 const TOP: f64 = 8.0;
 const THICK: f64 = 8.0;
 
-pub(super) const STYLE: &str = ".answers{display:flex;flex-wrap:wrap;gap:6px 24px}.answers>div{flex:1 1 190px;min-width:0;break-inside:avoid}\
+pub(super) const STYLE: &str = ".answers{display:flex;flex-wrap:wrap;gap:6px 24px}.answers>div{flex:1 1 190px;min-width:0;break-inside:avoid}.sides .answers{display:block}.sides .answers>div{margin-bottom:6px}\
     .answers h3{font-size:inherit;margin:0}.answers p{margin:1px 0}.answers svg{display:block;width:98%;max-width:300px}\
     .verdict{font-size:1.6em;font-weight:700;line-height:1.2}.verdict.none{font-size:1.1em;font-weight:400;color:#666}.band1{color:#8f5600}.band2,.band3{color:#a8201a}\
     @media screen and (prefers-color-scheme:dark){.verdict.none{color:#aaa}.band1{color:#e6a645}.band2,.band3{color:#ff8a80}}";
 
+/// The answers of a plan under their heading.
+pub(super) struct Answers {
+    pub(super) heading: String,
+    /// The cards: title, figure, word, further line, with their bars; none without an answer.
+    pub(super) cards: Vec<([String; 4], Bar)>,
+}
+
+/// The answers of a plan in a row, or those of each side in a column, the columns side by side.
+pub(super) fn sides(page: &mut String, sides: &[Answers]) {
+    let class = if sides.len() > 1 { "pair sides" } else { "pair" };
+    let _ = write!(page, "<div class=\"{class}\">");
+    for Answers { heading, cards } in sides {
+        page.push_str("<div>");
+        put(page, "h2", heading);
+        answers(page, cards);
+        page.push_str("</div>");
+    }
+    page.push_str("</div>");
+}
+
 /// The answers: title, figure, word, further line of each, with its bar.
-pub(super) fn answers(page: &mut String, answers: &[([String; 4], Bar)]) {
+fn answers(page: &mut String, answers: &[([String; 4], Bar)]) {
     page.push_str("<div class=\"answers\">");
     for ([title, figure, word, line], bar) in answers {
         page.push_str("<div>");
@@ -105,6 +125,22 @@ fn hex(colour: Rgb) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_answers_of_both_sides_stand_beside_each_other_under_their_names() {
+        let side =
+            |side: &str| Answers { heading: format!("What happens · {side}"), cards: Vec::new() };
+        let mut page = String::new();
+        sides(&mut page, &[side("left"), side("right")]);
+        let [left, right] = ["left", "right"].map(|side| {
+            let place = page.find(&format!("<div><h2>What happens · {side}</h2>"));
+            place.expect("a column with its name")
+        });
+        assert!(page.starts_with("<div class=\"pair sides\">") && left < right, "{page}");
+        let mut page = String::new();
+        sides(&mut page, &[side("left")]);
+        assert!(page.starts_with("<div class=\"pair\"><div><h2>"), "{page}");
+    }
 
     #[test]
     fn an_answer_has_its_word_and_a_bar_with_limits_and_mark() {

@@ -33,6 +33,7 @@ use crate::session::{Pin, Session};
 use crate::study::volume_and_width;
 use crate::view::camera::Standing;
 use crate::view::cross_section::SectionPlane;
+use answers::Answers;
 use eframe::egui::{self, ColorImage, Ui, Vec2, vec2};
 use figure::Figure;
 use page::{Page, Picture};
@@ -181,12 +182,10 @@ pub(crate) fn report(
     let device = choices.device;
     let findings = uncertainty.of_cards(session.scene());
     let sampled = |scene: &_| uncertainty.values(scene);
-    let bars = answer::bars((session, practices), findings);
     let page = Page {
         poses,
         pins,
         further,
-        heading: answer::with_side(tr("What happens"), session),
         implant: plan::implants_in_words(session.scene(), device),
         missing: missing.map(|how| device.words(how)),
         visit: plan::visit_in_words(session.scene()),
@@ -204,7 +203,7 @@ pub(crate) fn report(
         .into_iter()
         .filter(|words| !words.is_empty())
         .collect(),
-        answers: cards((session, practices), device, findings).into_iter().zip(bars).collect(),
+        answers: answers((session, practices), device, findings),
         remarks: remarks(session, device),
         table: compare::rows(
             session,
@@ -241,6 +240,25 @@ fn running_head(scene: &Scene) -> String {
     let visit = if visit.is_empty() { tr("Implant preview").to_owned() } else { visit };
     let [volume, width] = volume_and_width(scene).map(texts::localized);
     format!("{visit} · {volume} ml, {width} cm")
+}
+
+/// The answers of the plan, and of the other side where it has a plan of its own.
+fn answers(
+    (session, practices): (&Session, &Practices),
+    device: Device,
+    findings: Option<&Findings>,
+) -> Vec<Answers> {
+    let own = cards((session, practices), device, findings);
+    let bars = answer::bars((session, practices), findings);
+    let of_plan = Answers {
+        heading: answer::with_side(tr("What happens"), session),
+        cards: own.into_iter().zip(bars).collect(),
+    };
+    let of_other = session.other_side().map(|other| Answers {
+        heading: format!("{} · {}", tr("What happens"), plan::side_in_a_word(other.scene())),
+        cards: answer::cards_of_other_side((session, practices), device).unwrap_or_default(),
+    });
+    [of_plan].into_iter().chain(of_other).collect()
 }
 
 /// The cards in words; none without an answer.

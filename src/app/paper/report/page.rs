@@ -1,9 +1,8 @@
 //! The HTML of a report.
 
 use super::DISCLAIMER;
-use super::answers::{self, answers};
+use super::answers::{self, Answers, sides};
 use super::html::{escaped, put};
-use crate::app::answer::Bar;
 use crate::app::answer::before_after;
 use crate::app::answer::fill_steps;
 use crate::app::answer::times;
@@ -28,8 +27,6 @@ pub(super) struct Page {
     pub(super) poses: Vec<Picture>,
     /// Pins and plan side by side.
     pub(super) pins: Option<Picture>,
-    /// The heading of the answers.
-    pub(super) heading: String,
     /// Pictures of the second page.
     pub(super) further: Vec<Picture>,
     /// How to get a picture that is missing: on the screen only.
@@ -46,8 +43,8 @@ pub(super) struct Page {
     pub(super) headline: String,
     /// The plan: names and values.
     pub(super) plan: Vec<(&'static str, String)>,
-    /// The cards: title, figure, word, further line, with their bars.
-    pub(super) answers: Vec<([String; 4], Bar)>,
+    /// The answers, or those of each side.
+    pub(super) answers: Vec<Answers>,
     /// Warnings, or what a missing answer means.
     pub(super) remarks: Vec<String>,
     /// The results of the plan and of the pins: names and cells of number and word; the first row contains the heads of the columns.
@@ -118,8 +115,7 @@ impl Page {
             }
             page.push_str("</div>");
         }
-        put(page, "h2", &self.heading);
-        answers(page, &self.answers);
+        sides(page, &self.answers);
         for remark in &self.remarks {
             let _ = write!(page, "<p class=\"note\">{}</p>", escaped(remark));
         }
@@ -297,6 +293,7 @@ fn numbers(page: &mut String, rows: &[(String, Vec<[String; 2]>)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::answer::Bar;
 
     #[test]
     fn a_report_contains_its_texts_as_text_only() {
@@ -319,7 +316,6 @@ mod tests {
             poses: vec![picture("From the front", &[1, 2, 3], "")],
             pins: Some(picture("Pins", &[5], "")),
             further: vec![picture("Cross-section", &[4], &hostile)],
-            heading: hostile.clone(),
             implant: vec![hostile.clone()],
             missing: Some(hostile.clone()),
             visit: [hostile.clone(), hostile.clone()],
@@ -327,7 +323,10 @@ mod tests {
             origin: "2026-01-01, 00:00 UTC".to_owned(),
             headline: hostile.clone(),
             plan: vec![("Width", hostile.clone())],
-            answers: vec![([(); 4].map(|()| hostile.clone()), bar)],
+            answers: vec![Answers {
+                heading: hostile.clone(),
+                cards: vec![([(); 4].map(|()| hostile.clone()), bar)],
+            }],
             remarks: vec![hostile.clone()],
             table: vec![
                 (String::new(), vec![[hostile.clone(), String::new()]]),
