@@ -432,3 +432,24 @@ fn digits_change_the_colouring_only_with_the_focus_on_the_picture() {
     assert_eq!(drawn(&harness), before);
     assert!((harness.state().session().scene().insertion - 1.0).abs() < 1e-12);
 }
+
+#[test]
+fn a_standard_view_frames_the_body_again_after_the_picture_had_another_shape() {
+    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
+    let handle = |harness: &Harness<'static, App>| {
+        harness.get_by_role_and_label(Role::Button, "Move the implant").rect().center()
+    };
+    for view in ["Front", "Side", "All"] {
+        press(&mut harness, view);
+        harness.run_steps(40);
+        let framed = handle(&harness);
+        // Half of the picture's width, and the whole one again.
+        press(&mut harness, "Before | after");
+        harness.run_steps(4);
+        press(&mut harness, view);
+        harness.run_steps(40);
+        press(&mut harness, "Before | after");
+        harness.run_steps(40);
+        assert!(handle(&harness).distance(framed) < 1.0, "{view}: {} {framed}", handle(&harness));
+    }
+}

@@ -91,6 +91,12 @@ fn a_scan_with_its_marks_becomes_the_body_of_the_plan_in_one_step() {
         assert!(button(&harness, "m").accesskit_node().toggled().is_some());
         harness.get_by_label_contains("Notch to nipple is 21.0 cm");
         let words = harness.get_by_label_contains("Drag a dot");
+        for name in ["Use these marks", "Cancel", "Undo mark"] {
+            let (rect, least) =
+                (button(&harness, name).rect(), if size == PHONE { 44.0 } else { 0.0 });
+            assert!(harness.ctx.content_rect().contains_rect(rect), "{name}: {rect}");
+            assert!(rect.height() >= least, "{name}: {rect}");
+        }
         assert!(words.rect().right() <= size.x);
         assert_eq!(scene(&harness), before, "nothing changes before the marks are used");
         button(&harness, "Use these marks").click();
@@ -183,6 +189,24 @@ fn marks_are_clicked_moved_by_keys_and_taken_back() {
     harness.run();
     assert!(harness.query_by_label_contains("bare.ply").is_none());
     assert_eq!(scene(&harness), flat_plan());
+}
+
+#[test]
+fn a_standard_view_frames_the_scan_while_it_gets_its_marks() {
+    let mut harness = screen(DESKTOP);
+    drop_file(&mut harness, marks(Unit::Mm), "open its scan");
+    drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
+    let notch = |harness: &Screen| button(harness, "Sternal notch").rect().center();
+    let front = notch(&harness);
+    for (view, is_front) in [("Side", false), ("Front", true)] {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+        harness.run();
+        harness.event(egui::Event::Text(view.to_owned()));
+        harness.run();
+        harness.key_press(Key::Enter);
+        harness.run();
+        assert_eq!(notch(&harness).distance(front) < 1.0, is_front, "{view}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@
 mod before;
 mod directions;
 mod envelope;
+mod legend;
 mod marks;
 mod moves;
 mod options;
@@ -13,29 +14,29 @@ mod panes;
 mod readout;
 mod renderer;
 mod scan;
+mod shown;
 mod torso;
 
 pub(crate) use before::Before;
 pub(crate) use envelope::Outline;
+pub(crate) use legend::lower_edge;
 pub(crate) use marks::labelled_box;
 pub(crate) use options::{Options, Subject as PictureSubject};
-pub(crate) use overlay::{lower_edge, pointer_box, scale_bar};
+pub(crate) use overlay::{pointer_box, scale_bar};
 pub(crate) use scan::{Dot, Touched};
+pub(crate) use shown::Shown;
 
-use crate::app::answer::practice::Practices;
 use crate::app::texts::tr;
 use crate::app::widgets::keep_press;
 use crate::body;
-use crate::scene::Scene;
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::body::Body;
-use crate::view::camera::{Ball, Camera, Standing, View};
-use crate::view::color::{Rgb, Scale};
+use crate::view::camera::{Ball, Camera, View};
+use crate::view::color::Rgb;
 use crate::view::mesh::Mesh;
 use crate::view::picture::Picture;
-use crate::view::quantity::{Colouring, Quantity};
 use crate::view::section::{Opening, Section};
 use crate::view::subject::{Between, LastAnswer, Subject};
 use crate::view::wall;
@@ -46,65 +47,12 @@ use glam::Vec3;
 use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
-use std::borrow::Cow;
+use shown::{colouring, of_legend};
 use std::sync::{Arc, Mutex};
 use web_time::Instant;
 
 /// Opacity of the veil over the last answer of a scene without one \[-\].
 const VEIL: f32 = 0.6;
-
-/// What the 3-D view shows.
-#[derive(Clone, Copy)]
-pub(crate) struct Shown<'a> {
-    pub(crate) session: &'a Session,
-    pub(crate) options: &'a Options,
-    /// What the stretches are compared with.
-    pub(crate) practices: &'a Practices,
-    /// Band of the skin whose lines are drawn.
-    pub(crate) envelope: &'a [SectionBand],
-    /// Outlines of pins.
-    pub(crate) outlines: &'a [Outline],
-    /// Height of the controls over the top of the picture \[points\].
-    pub(crate) bar: f32,
-    /// On paper a pin of the same plan has no picture of its own.
-    pub(crate) is_on_paper: bool,
-    /// A standard pose in place of the camera's.
-    pub(crate) standing: Option<Standing>,
-}
-
-impl<'a> Shown<'a> {
-    /// A session with nothing over its picture.
-    pub(crate) fn new(
-        session: &'a Session,
-        options: &'a Options,
-        practices: &'a Practices,
-    ) -> Self {
-        Self {
-            session,
-            options,
-            practices,
-            envelope: &[],
-            outlines: &[],
-            bar: 0.0,
-            is_on_paper: false,
-            standing: None,
-        }
-    }
-}
-
-/// The colours of a subject.
-fn colouring(subject: &impl Subject, quantity: Quantity, practices: &Practices) -> Colouring {
-    let skin = practices.skin(subject.scene(), subject.problem().skin_knee());
-    Colouring { quantity, skin }
-}
-
-/// The scale of a plan's legend, without words while they are not known.
-fn of_legend<'a>(scale: &'a Scale, plan: &Scene, practices: &Practices) -> Cow<'a, Scale> {
-    match practices.has_words(plan) {
-        true => Cow::Borrowed(scale),
-        false => Cow::Owned(Scale { words: Vec::new(), ..scale.clone() }),
-    }
-}
 
 /// The 3-D view with its camera.
 pub(crate) struct Viewport {
@@ -112,8 +60,8 @@ pub(crate) struct Viewport {
     renderer: Option<Arc<Mutex<Renderer>>>,
     error: Option<String>,
     camera: Camera,
-    /// The ball to which the camera is fitted; `None` after the user has moved the camera.
-    fitted: Option<Ball>,
+    /// The ball to which the camera is fitted, and the view of it; `None` after the user has moved the camera.
+    fitted: Option<(Ball, View)>,
     is_placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
@@ -262,8 +210,7 @@ impl Viewport {
     fn fit(&mut self, session: &Session, view: View) {
         let ball = self.ball_to_fit(session);
         self.camera.fit(ball, self.aspect, view);
-        // A new aspect ratio restores the three-quarter view only.
-        self.fitted = (view == View::All).then_some(ball);
+        self.fitted = Some((ball, view));
     }
 
     /// Frees the resources on the graphics card.
@@ -298,6 +245,7 @@ impl Viewport {
         self.panes.clear();
         self.leave_scan();
         let (_, whole) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
+        let [whole, strip] = shown.parted(whole);
         let torso = self.torso(options, session.scene());
         // Lines of pins have no place on a body: its skin is another one.
         let outlines = if torso.is_some() { &[][..] } else { outlines };
@@ -368,15 +316,19 @@ impl Viewport {
         }
         let free = area.with_min_y(area.top() + bar);
         let scale = scale.filter(|_| !self.picture.body.is_empty());
-        let bar = scale_bar(ui, &painter, area, self.points_per_mm(area));
-        let legend = |scale| {
+        let bar = self.show_scale(ui, area, strip);
+        let show_legend = |scale| {
             let scale = of_legend(scale, session.scene(), practices);
-            overlay::legend(ui, &painter, free, bar, &scale)
+            legend::legend(ui, &painter, free, bar, &scale)
         };
-        let mut taken = vec![scale.map_or(Rect::NOTHING, legend), bar];
+        let mut taken = vec![scale.map_or(Rect::NOTHING, show_legend), bar];
         taken.extend(words);
         let (right, up) = self.camera.right_and_up();
-        let words = directions::words(right, up, self.picture.torso.is_some());
+        let words = match shown.standing {
+            // The pose has a name, and the body is upright.
+            Some(_) => Vec::new(),
+            None => directions::words(right, up, self.picture.torso.is_some()),
+        };
         let taken = overlay::directions(ui, &painter, free, &words, &taken);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section, taken: &taken };
@@ -443,6 +395,15 @@ impl Viewport {
             }
         });
         painter.add(egui::PaintCallback { rect: area, callback: Arc::new(paint) });
+    }
+
+    /// Draws the scale of a picture on its strip, without one on the picture. Returns its place.
+    fn show_scale(&self, ui: &Ui, area: Rect, strip: Rect) -> Rect {
+        let points_per_mm = self.points_per_mm(area);
+        match strip.is_positive() {
+            true => overlay::scale_below(ui, strip, points_per_mm),
+            false => scale_bar(ui, &ui.painter_at(area), area, points_per_mm),
+        }
     }
 
     fn points_per_mm(&self, area: Rect) -> f32 {

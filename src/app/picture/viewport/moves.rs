@@ -1,9 +1,9 @@
 //! Movements of the camera by pointer, fingers and keys.
 
 use super::Viewport;
-use super::torso::standing;
+use super::torso::{pose_of, standing};
 use crate::app::widgets::arrow_keys;
-use crate::view::camera::{Ball, Camera, Standing};
+use crate::view::camera::{Ball, Camera, View};
 use crate::view::torso::Torso;
 use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec2;
@@ -14,16 +14,22 @@ const KEY_ORBIT: f32 = 14.0;
 const CLEARANCE_MM: f32 = 50.0;
 
 impl Viewport {
-    /// Fits the camera to a new aspect ratio, unless the user has moved the camera.
+    /// Fits the camera in its standard view to a new aspect ratio, unless the user has moved the camera.
     pub(super) fn place_camera(&mut self, ball: Ball, aspect: f32, torso: Option<&Torso>) {
         if !self.is_placed {
-            self.fitted = Some(ball);
+            self.fitted = Some((ball, self.fitted.map_or(View::All, |(_, view)| view)));
         }
         let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
-        if let Some(ball) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
-            self.camera = match torso {
-                Some(torso) => standing(torso, aspect, Standing::ThreeQuarter),
-                None => Camera::new(ball, aspect),
+        if let Some((ball, view)) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
+            self.camera = match torso.zip(pose_of(view)) {
+                Some((torso, pose)) => standing(torso, aspect, pose),
+                None => {
+                    let mut camera = Camera::new(ball, aspect);
+                    camera.fit(ball, aspect, view);
+                    // The end of the animation.
+                    camera.ease(f32::INFINITY);
+                    camera
+                }
             };
         }
         (self.is_placed, self.aspect) = (true, aspect);

@@ -2,7 +2,7 @@
 
 use super::marks::Marked;
 use super::{
-    CURRENT, Drawn, Shown, Viewport, colouring, meshes_of, of_legend, overlay, section_of,
+    CURRENT, Drawn, Shown, Viewport, colouring, legend, meshes_of, of_legend, overlay, section_of,
 };
 use crate::app::answer::differing;
 use crate::app::plan::device::Device;
@@ -42,6 +42,7 @@ impl Viewport {
         let Shown { session, options, practices, envelope, bar, is_on_paper, .. } = shown;
         self.leave_scan();
         let (_, area) = ui.allocate_space(ui.available_size().max(egui::Vec2::splat(1.0)));
+        let [area, strip] = shown.parted(area);
         let is_shown = |pin: &&Pin| !(is_on_paper && pin.scene().is_same_plan(session.scene()));
         let pins: Vec<PinnedShape<'_>> =
             session.pins().iter().filter(is_shown).filter_map(PinnedShape::of).collect();
@@ -51,11 +52,11 @@ impl Viewport {
         // Below the controls of the picture.
         // The legend of all pictures has a strip of its own: no tissue is below it.
         let has_legend = options.quantity != Quantity::Tissue;
-        let top = area.top() + bar + if has_legend { overlay::STRIP } else { 0.0 };
+        let top = area.top() + bar + if has_legend { legend::STRIP } else { 0.0 };
         let areas = divided(area.with_min_y(top), pins.len() + 1);
         let Some((&own_area, pin_areas)) = areas.split_last() else { return };
         let ball = self.ball_to_fit(session);
-        if self.fitted.is_some_and(|fitted| fitted.radius_mm < ball.radius_mm) {
+        if self.fitted.is_some_and(|(fitted, _)| fitted.radius_mm < ball.radius_mm) {
             self.is_placed = false;
         }
         let torso = self.torso(options, session.scene());
@@ -126,7 +127,7 @@ impl Viewport {
                 words => format!("{title}\n{words}"),
             }
         };
-        let legend = |scale, plan: &Scene| of_legend(scale, plan, practices);
+        let of_plan = |scale, plan: &Scene| of_legend(scale, plan, practices);
         let mut clicked = None;
         for ((pane, shape), response) in self.panes.iter().zip(&pins).zip(&responses) {
             self.camera.mirror(shape.scene().is_right());
@@ -144,7 +145,7 @@ impl Viewport {
             overlay::caption(ui, &painter, area, &caption(title(shape.pin), shape.scene()));
             if colours == Colours::Own(None) {
                 let scale = pane.picture.scale.as_ref();
-                own_legend(ui, &painter, area, scale.map(|scale| legend(scale, shape.scene())));
+                own_legend(ui, &painter, area, scale.map(|scale| of_plan(scale, shape.scene())));
             }
             let marked = Marked { picture: &pane.picture, subject: shape, section, taken: &[] };
             clicked = clicked.or(self.show_marks(ui, response, &marked));
@@ -170,8 +171,8 @@ impl Viewport {
         match &colours {
             Colours::Common(Some(scale)) | Colours::Own(Some(scale)) => {
                 let strip = area.with_min_y(area.top() + bar);
-                let scale = legend(scale, session.scene());
-                overlay::strip(ui, &ui.painter_at(strip), strip, &scale);
+                let scale = of_plan(scale, session.scene());
+                legend::strip(ui, &ui.painter_at(strip), strip, &scale);
             }
             Colours::Own(None) => {
                 let scale = self.picture.scale.as_ref();
@@ -179,12 +180,12 @@ impl Viewport {
                     ui,
                     &painter,
                     own_area,
-                    scale.map(|scale| legend(scale, session.scene())),
+                    scale.map(|scale| of_plan(scale, session.scene())),
                 );
             }
             Colours::Common(None) => {}
         }
-        let bar = overlay::scale_bar(ui, &painter, own_area, self.points_per_mm(own_area));
+        let bar = self.show_scale(ui, own_area, strip);
         self.handles = Some(painter.add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section, taken: &[bar] };
         let clicked = clicked.or(self.show_marks(ui, &own, &marked));
@@ -283,7 +284,7 @@ fn range_of(scale: Option<&Scale>) -> [f32; 2] {
 /// Draws the legend of one picture of several, below its caption.
 fn own_legend(ui: &Ui, painter: &egui::Painter, area: Rect, scale: Option<Cow<'_, Scale>>) {
     if let Some(scale) = scale {
-        overlay::strip(ui, painter, area.with_min_y(area.top() + overlay::CAPTION), &scale);
+        legend::strip(ui, painter, area.with_min_y(area.top() + overlay::CAPTION), &scale);
     }
 }
 

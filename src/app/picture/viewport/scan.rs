@@ -26,7 +26,7 @@ const IN_SIGHT_MM: f32 = 4.0;
 
 /// The body of a scan that was shown last.
 pub(super) struct Scanned {
-    torso: Rc<Torso>,
+    pub(super) torso: Rc<Torso>,
     /// Eye and place of each dot, and whether it is in sight.
     seen: Vec<([Vec3; 2], bool)>,
 }
@@ -108,7 +108,7 @@ impl Viewport {
     /// The next picture of a plan begins with its own view.
     pub(super) fn leave_scan(&mut self) {
         if self.scanned.take().is_some() {
-            self.is_placed = false;
+            (self.is_placed, self.fitted) = (false, None);
         }
     }
 

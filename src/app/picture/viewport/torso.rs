@@ -31,6 +31,16 @@ pub(super) struct ScannedBody {
     torso: Rc<Torso>,
 }
 
+/// The standard pose of a view; none from the head.
+pub(super) fn pose_of(view: View) -> Option<Standing> {
+    match view {
+        View::Front => Some(Standing::Front),
+        View::Side => Some(Standing::Side),
+        View::All => Some(Standing::ThreeQuarter),
+        View::Top => None,
+    }
+}
+
 /// The camera of a standard pose before a torso.
 pub(super) fn standing(torso: &Torso, aspect: f32, standing: Standing) -> Camera {
     let (ball, middle, azimuth) = torso.seen();
@@ -120,19 +130,16 @@ impl Viewport {
         }
     }
 
-    /// Moves the camera to a standard view, before a torso if these options draw it.
+    /// Moves the camera to a standard view, before the body of a scan that gets its marks, or a torso if these options draw it.
     pub(crate) fn look(&mut self, session: &Session, options: &Options, view: View) {
-        let pose = match view {
-            View::Front => Standing::Front,
-            View::Side => Standing::Side,
-            View::All => Standing::ThreeQuarter,
-            View::Top => return self.fit(session, view),
+        let torso = match &self.scanned {
+            Some(scanned) => Some(Rc::clone(&scanned.torso)),
+            None => self.torso(options, session.scene()),
         };
-        let Some(torso) = self.torso(options, session.scene()) else {
+        let Some((torso, pose)) = torso.zip(pose_of(view)) else {
             return self.fit(session, view);
         };
         self.camera = standing(&torso, self.aspect, pose);
-        // A new aspect ratio restores the three-quarter view only.
-        self.fitted = (view == View::All).then(|| self.ball_to_fit(session));
+        self.fitted = Some((self.ball_to_fit(session), view));
     }
 }
