@@ -75,6 +75,21 @@ pub struct Marks {
 #[error("{0}")]
 pub struct MarksError(String);
 
+/// Names of the marks in a file but for the implant's centres: both breasts', then those of the left and of the right breast.
+pub const NAMES: [&str; 12] = [
+    "sternal_notch",
+    "navel",
+    "nipple_left",
+    "nipple_right",
+    "fold_left",
+    "upper_left",
+    "medial_left",
+    "lateral_left",
+    "fold_right",
+    "upper_right",
+    "medial_right",
+    "lateral_right",
+];
 /// Greatest coordinate of a mark.
 const GREATEST: f64 = 1e7;
 /// Distance of the implant's lower edge from the fold in a proposed plan \[mm\].

@@ -6,7 +6,7 @@
 
 use crate::measure::{self, Fields, Outcome, Selection, no_shape};
 use crate::scene::{CheckedScene, Scene, SceneError};
-use crate::solve::{Invalid, Options, Progress, Solution, Solver};
+use crate::solve::{Invalid, Options, Problem, Progress, Solution, Solver};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -118,7 +118,9 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
     outcome.warnings.extend(scene.curve_warnings());
-    let wall = &fields.solution().problem().obstacle.wall.0;
+    let Problem { rest, obstacle, .. } = fields.solution().problem();
+    outcome.warnings.extend(scene.body.skin_state.growth_warning(rest.natural()));
+    let wall = &obstacle.wall.0;
     outcome.warnings.extend(scene.chest_warnings(wall));
     outcome.warnings.extend(scene.pocket_warning(wall));
     outcome

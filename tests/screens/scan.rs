@@ -239,7 +239,7 @@ fn a_bad_file_has_one_line_and_wrong_marks_stay() {
 #[test]
 fn marks_are_proposed_and_the_pictures_show_her_before_and_after() {
     let mut harness = screen(DESKTOP);
-    drop_file(&mut harness, scan(Unit::Mm), "The marks are proposed");
+    drop_file(&mut harness, scan(Unit::Mm), "The marks with a question mark");
     button(&harness, "Use these marks").click();
     harness.run();
     settle(&mut harness);

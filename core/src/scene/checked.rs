@@ -157,7 +157,11 @@ impl CheckedScene {
                 let rest = rest
                     .tapered(self.scene.muscle_taper(&self.materials))
                     .weighed(body.posture.change_of_weight(skin_mm));
-                (Tissue::Layered, rest.stretched(self.natural).growing(body.skin_state.grown))
+                (
+                    Tissue::Layered,
+                    rest.stretched(self.natural)
+                        .growing(body.skin_state.growth(self.natural.as_ref())),
+                )
             }
         };
         Problem {

@@ -40,7 +40,8 @@ fn scenes() -> Vec<Value> {
         "body": { "unit": "mm", "cover_mm": 10, "origin_mm": [80, 340, 120], "axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
             "marks": { "sternal_notch": [0, 500, 90], "navel": [0, 120, 154], "nipple_left": [113, 347, 180],
                 "nipple_right": [-113, 347, 180], "fold_left": [108, 300, 120], "upper_left": [80, 441, 124],
-                "medial_left": [24, 346, 152], "lateral_left": [140, 371, 85], "implant_centre_left": [86, 347, 180] } },
+                "medial_left": [24, 346, 152], "lateral_left": [140, 371, 85], "implant_centre_left": [86, 347, 180] },
+            "proposed_marks": ["navel"] },
         "springs": "coupled", "solver": { "nodes_per_side": 33, "tolerance": 1e-3, "cells_through": "auto" },
         "pins": [{ "letter": "A", "name": "d", "scene": { "implant": { "base_radius_mm": 60, "projection_mm": 40 } } }],
     });

@@ -87,7 +87,11 @@ impl Scene {
         let found = fit(kept.surface(), &placement.marks, side, &settings);
         let found = found.map_err(|error| wrong(&error.to_string()))?;
         let of = (&placement.marks, side);
-        Self::of_body(&found, of, placement.cover_mm, placement.unit.into())
+        let mut fitted = Self::of_body(&found, of, placement.cover_mm, placement.unit.into())?;
+        if let Some(own) = &mut fitted.placement {
+            own.proposed_marks.clone_from(&placement.proposed_marks);
+        }
+        Ok(fitted)
     }
 
     /// A scene of the other side with what belongs to its side, and all else of this scene.
@@ -115,6 +119,7 @@ impl Scene {
                 unit: all.unit,
                 cover_mm: all.cover_mm,
                 marks: all.marks,
+                proposed_marks: all.proposed_marks.clone(),
                 surface: None,
                 ..(**placement).clone()
             };

@@ -35,6 +35,9 @@ pub struct Placement {
     #[serde(deserialize_with = "present")]
     #[schemars(with = "BTreeMap<String, [f64; 3]>")]
     pub marks: Marks,
+    /// Names of the marks that the program proposed and nobody has checked; default: none.
+    #[serde(default, deserialize_with = "present", skip_serializing_if = "Vec::is_empty")]
+    pub proposed_marks: Vec<String>,
     /// The body's surface, reduced; default: none.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<SurfaceFile>")]
@@ -112,6 +115,11 @@ impl Placement {
             let value = format!("off by {}", number(most));
             return Err(out_of_range("body.axes", value, "unit vectors at right angles"));
         }
+        let is_name = |name: &String| marks::NAMES.contains(&name.as_str());
+        if let Some(wrong) = self.proposed_marks.iter().find(|name| !is_name(name)) {
+            let value = format!("\"{wrong}\"");
+            return Err(out_of_range("body.proposed_marks", value, "names of body.marks"));
+        }
         Ok(())
     }
 }
@@ -150,6 +158,7 @@ impl Scene {
             origin_mm: origin.to_array(),
             axes: axes.to_cols_array_2d(),
             marks: *marks,
+            proposed_marks: Vec::new(),
             surface: None,
         }));
         scene.validate()?;

@@ -110,6 +110,24 @@ impl SkinState {
 }
 
 impl SkinState {
+    /// Growth of a skin, up to the greatest one of its natural stretch \[-\].
+    pub(super) fn growth(&self, natural: Option<&NaturalStretch>) -> f64 {
+        natural.map_or(self.grown, |natural| self.grown.min(natural.greatest_growth()))
+    }
+
+    /// What a result says about skin that cannot grow so far.
+    pub(crate) fn growth_warning(&self, natural: Option<&NaturalStretch>) -> Option<String> {
+        let growth = self.growth(natural);
+        (growth < self.grown).then(|| {
+            format!(
+                "The skin has grown by {:.2} of its stretch instead of {}: under so uneven a natural tension it would not resist shear \
+                 beyond that.",
+                growth,
+                number(self.grown)
+            )
+        })
+    }
+
     /// The state at a time after the operation, with relaxation and growth as expected.
     #[must_use]
     pub fn at(self, when: When) -> Self {

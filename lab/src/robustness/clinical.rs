@@ -12,11 +12,15 @@ use super::{
 use fastrand::Rng;
 use implant_preview_core::clinical::Size;
 use implant_preview_core::curve::{CurveSpec, Fat};
-use implant_preview_core::scene::{Field, Fill, Plane, Scene, SkinState};
+use implant_preview_core::scene::{Field, Fill, Plane, Posture, Scene, SkinState};
 use implant_preview_core::solve::{Method, Options, Solver, Verdict};
 use implant_preview_core::study::{normal_quantile, percentiles};
 use serde::Serialize;
 
+/// New fold below the old one \[mm\].
+const FOLD_MM: (f64, f64) = (0.0, 20.0);
+/// Greatest void of a pocket that holds fluid \[ml\].
+const VOID_ML: (f64, f64) = (0.0, 30.0);
 /// Thickness of the muscle's belly \[mm\].
 const MUSCLE_MM: (f64, f64) = (6.0, 12.0);
 /// Logarithm of the scale of the muscle's stress \[-\]: 3 to 30 kPa.
@@ -76,6 +80,15 @@ pub struct Clinical {
     /// Is every pocket above, partly or wholly below a muscle of any thickness and stiffness?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_plane: bool,
+    /// Has every pocket a new fold of its own?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_fold: bool,
+    /// Does half of the pockets hold a limited void?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_void: bool,
+    /// Is every patient lying, standing, or without weight?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_posture: bool,
     /// Nodes per side.
     pub nodes_per_side: usize,
     /// Is every converged case solved again to [`FINE_TOLERANCE`], to measure its error?
@@ -94,6 +107,9 @@ impl Default for Clinical {
             has_growth: false,
             has_fill: false,
             has_plane: false,
+            has_fold: false,
+            has_void: false,
+            has_posture: false,
             nodes_per_side: 65,
             measures_errors: false,
         }
@@ -153,6 +169,9 @@ impl Clinical {
         scene.set_pocket_radius(radius + normal(rng, MARGIN_MM).max(0.0));
         scene.solver.nodes_per_side = self.nodes_per_side;
         scene.solver.tolerance = 1e-3;
+        if self.has_fold {
+            scene.body.pocket_lowered_mm = uniform(rng, FOLD_MM);
+        }
         if self.has_plane {
             let plane = rng.usize(0..=Plane::ALL.len());
             scene.set_plane(Plane::ALL.get(plane).copied());
@@ -177,6 +196,12 @@ impl Clinical {
         if self.has_fill {
             let fill = rng.usize(0..=Fill::NAMED.len());
             scene.implant.fill = Fill::NAMED.get(fill).map(|(_, fill)| *fill);
+        }
+        if self.has_void {
+            scene.body.pocket_void_ml = rng.bool().then(|| uniform(rng, VOID_ML));
+        }
+        if self.has_posture {
+            scene.body.posture = Posture::ALL[rng.usize(..Posture::ALL.len())];
         }
         scene
     }
@@ -372,6 +397,32 @@ mod tests {
         let [least, median, most] = percentiles(tensions, [0.16, 0.5, 0.84]).unwrap();
         assert!((16.0..23.0).contains(&median), "{median}");
         assert!((1.8..2.6).contains(&(most / median)) && (1.8..2.6).contains(&(median / least)));
+    }
+
+    /// All that a person and an operation may have at once.
+    #[test]
+    fn a_scene_with_everything_is_valid() {
+        let terrain = Clinical {
+            has_terrain: true,
+            has_tension: true,
+            has_growth: true,
+            has_fill: true,
+            has_plane: true,
+            has_fold: true,
+            has_void: true,
+            has_posture: true,
+            ..Clinical::default()
+        };
+        for all in [terrain, Clinical { has_terrain: false, has_chest: true, ..terrain }] {
+            let scenes: Vec<Scene> = (0..100).map(|case| all.scene(7, case)).collect();
+            for scene in &scenes {
+                assert_eq!(scene.validate(), Ok(()), "{}", scene.to_json());
+                assert!(scene.body.pocket_lowered_mm > 0.0);
+            }
+            let with = |has: fn(&Scene) -> bool| scenes.iter().filter(|scene| has(scene)).count();
+            assert!((35..=65).contains(&with(|scene| scene.body.pocket_void_ml.is_some())));
+            assert!((50..=83).contains(&with(|scene| scene.body.posture != Posture::None)));
+        }
     }
 
     #[test]

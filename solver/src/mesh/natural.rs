@@ -55,6 +55,15 @@ impl NaturalStretch {
         self.stretches
     }
 
+    /// Growth up to which the membrane alone resists shear in its plane \[-\]. The shear stiffness of an isotropic membrane under the
+    /// tensions σ₁ > σ₂ is ½(σ₁ − σ₂)(λ₁² + λ₂²)/(λ₁² − λ₂²), of which 1 − φ is left, and fibres that turn with the tissue take
+    /// ½(σ₁ − σ₂) from it along the lesser tension: φ < 2λ₂²/(λ₁² + λ₂²). Beyond, the membrane flows in folds of any width.
+    #[must_use]
+    pub fn greatest_growth(&self) -> f64 {
+        let [one, two] = self.stretches.map(|stretch| stretch * stretch);
+        2.0 * one.min(two) / (one + two)
+    }
+
     /// The same vector of the membrane at rest, of a vector of the membrane without stress.
     #[must_use]
     pub fn stretched(&self, vector: DVec2) -> DVec2 {

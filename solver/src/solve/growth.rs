@@ -7,6 +7,7 @@
 
 use super::fas::Stop;
 use super::newton::Start;
+use super::seal::Pull;
 use super::{Solver, Stage, Verdict};
 use crate::mesh::{Grown, Rest};
 use crate::model::membrane::triangle::{Principal, Rest as RestTriangle};
@@ -19,14 +20,17 @@ const TOLERANCE: f64 = 3e-4;
 /// Change of Γ above which the next solve is rough \[-\].
 const ROUGH: f64 = 2e-3;
 
-/// Cycles of the finest grid of a rough solve.
-const ROUGH_CYCLES: u32 = 2;
+/// Cycles of the finest grid of a rough solve: at first, and at most.
+const ROUGH_CYCLES: (u32, u32) = (2, 8);
+
+/// Part of the least change of Γ so far above which a solve has brought nothing: what the rough solve left is mixed with the growth.
+const STALLED: f64 = 0.7;
 
 /// Solves after the first one at most, and the change of Γ up to which the last one is accepted \[-\].
 const MOST_SOLVES: (u32, f64) = (24, 1e-3);
 
 /// Solves whose growths are mixed.
-const DEPTH: usize = 4;
+const DEPTH: usize = 6;
 
 /// Regularisation of the mixing \[-\].
 const LEAST_PART: f64 = 1e-6;
@@ -41,6 +45,10 @@ pub(super) struct Growths {
     solves: u32,
     /// Was the last solve rough?
     is_rough: bool,
+    /// Doublings of the cycles of a rough solve.
+    doubled: u32,
+    /// The least change of Γ so far; `None` before the first solve.
+    least: Option<f64>,
     /// Γ that the last solve asked for, and its difference from the Γ of that solve.
     last: Option<[Vec<f32>; 2]>,
     /// Changes of both from solve to solve, the last one first.
@@ -63,6 +71,22 @@ impl Growths {
         }
         self.last = Some([asked, residual]);
         next
+    }
+
+    /// Cycles of the next rough solve; `None` for one to the tolerance.
+    fn rough_cycles(&mut self, change: f64) -> Option<u32> {
+        let least = self.least.unwrap_or(f64::INFINITY);
+        let cycles = ROUGH_CYCLES.0 << self.doubled;
+        if cycles > ROUGH_CYCLES.1 {
+            return None;
+        }
+        self.least = Some(least.min(change));
+        if change > STALLED * least {
+            self.doubled += 1;
+            (self.last, self.changes) = (None, Vec::new());
+        }
+        let cycles = ROUGH_CYCLES.0 << self.doubled;
+        (cycles <= ROUGH_CYCLES.1).then_some(cycles)
     }
 
     /// The factors θ, by the normal equations.
@@ -109,15 +133,22 @@ impl Solver {
             _ => return self.seal_or_end(Verdict::Converged),
         };
         let change = asked.greatest_difference(rest.grown());
+        let is_rough = self.growths.is_rough || self.seal.is_rough;
+        let pull = self.pull_beside_growth(is_rough);
+        if matches!(pull, Pull::Unknown) {
+            return self.seal_or_end(Verdict::Converged);
+        }
+        let is_sealed = matches!(pull, Pull::Enough);
         let (most, accepted) = MOST_SOLVES;
         let is_last = self.growths.solves >= most;
-        let is_enough = change < TOLERANCE && !self.growths.is_rough;
+        let is_enough = change < TOLERANCE && !is_rough && is_sealed;
         if is_enough || is_last {
             self.growths = Growths::default();
-            let is_converged = is_enough || change < accepted;
+            let is_converged = is_enough || change < accepted && is_sealed;
             let verdict = if is_converged { Verdict::Converged } else { Verdict::NotConverged };
-            return self.seal_or_end(verdict);
+            return self.end_sealed(verdict);
         }
+        let rest = &self.problem.rest;
         let cells = rest.sheet().nodes_per_side() - 1;
         let present = rest.grown().map_or_else(|| Grown::none(cells), Clone::clone);
         let grown = self.growths.mixed(&present.numbers(), asked.numbers());
@@ -125,7 +156,9 @@ impl Solver {
         problem.rest = problem.rest.clone().with_grown(Grown::of_numbers(cells, &grown));
         self.growths.solves += 1;
         let may_be_rough = change > ROUGH && self.growths.solves < most;
-        self.growths.is_rough = self.solve_again(may_be_rough.then_some(ROUGH_CYCLES));
+        let cycles = self.growths.rough_cycles(change).filter(|_| may_be_rough);
+        self.growths.is_rough = self.solve_again(cycles);
+        self.seal.is_rough = false;
     }
 
     /// Solves a changed problem from the last shape; of multigrid for so many cycles of the finest grid, if any. Is that solve rough?

@@ -27,6 +27,12 @@ const FIRST_KPA: f64 = 0.2;
 const MOST_FACTOR: f64 = 3.0;
 /// The same after a suction without a solution \[-\].
 const CAREFUL_FACTOR: f64 = 1.5;
+/// Least and greatest ratio of slopes across a growth of the skin, which moves the void, too \[-\].
+const SLOPES: [f64; 2] = [0.4, 2.0];
+/// The greatest suction beside one without a solution \[that suction\]: skin that has grown since bears less.
+const MOST_LEFT: f64 = 0.9;
+/// Way to a suction without a solution that is not worth a solve \[that suction\].
+const NEAR_FAILED: f64 = 0.02;
 /// Solves with a suction at most, and halvings of the way to a suction without a solution.
 const MOST_SOLVES: u32 = 24;
 const MOST_HALVINGS: u32 = 3;
@@ -37,7 +43,7 @@ pub(super) struct Seal {
     solves: u32,
     halvings: u32,
     /// Was the last solve rough?
-    is_rough: bool,
+    pub(super) is_rough: bool,
     /// Suction and √V of the last solve, and the slope of the last two.
     last: Option<[f64; 2]>,
     slope: Option<f64>,
@@ -45,6 +51,44 @@ pub(super) struct Seal {
     failed: Option<f64>,
     /// The last solution to the tolerance.
     kept: Option<Kept>,
+    /// Is the suction the greatest one with a solution?
+    is_greatest: bool,
+}
+
+/// The void of a solution, and its limit \[mm³\].
+#[derive(Clone, Copy)]
+struct Held {
+    suction_kpa: f64,
+    volume: f64,
+    most: f64,
+    tolerance: f64,
+}
+
+impl Held {
+    fn off(self) -> f64 {
+        (self.volume - self.most).abs()
+    }
+
+    fn is_enough(self) -> bool {
+        let is_slack = self.suction_kpa <= 0.0 && self.volume <= self.most + self.tolerance;
+        let is_at_most = self.suction_kpa >= MOST_KPA && self.volume > self.most;
+        is_slack || self.off() <= self.tolerance || is_at_most
+    }
+
+    /// √V, of a negative volume −√−V.
+    fn root(self) -> f64 {
+        self.volume.abs().sqrt().copysign(self.volume)
+    }
+}
+
+/// What a solve beside the growth of the skin needs.
+pub(super) enum Pull {
+    /// The void is at its limit, or there is none.
+    Enough,
+    /// The suction is a step nearer to that of the limit.
+    Nearer,
+    /// Nothing is known of the slope.
+    Unknown,
 }
 
 /// A solution with its suction.
@@ -58,17 +102,23 @@ struct Kept {
 }
 
 impl Seal {
-    /// The next suction after one with a void, for a void of `most` \[mm³\].
-    fn next(&mut self, suction: f64, void: f64, most: f64) -> f64 {
-        let root = void.abs().sqrt().copysign(void);
+    /// The next suction after one with a void.
+    fn next(&mut self, held: Held) -> f64 {
+        let (suction, root) = (held.suction_kpa, held.root());
         if let Some([before, root_before]) = self.last.replace([suction, root]) {
             let slope = (root - root_before) / (suction - before);
             // A solve under the same suction, to the tolerance, has no slope.
             self.slope =
                 Some(slope).filter(|slope| *slope < 0.0 && slope.is_finite()).or(self.slope);
         }
+        self.by_slope(held)
+    }
+
+    /// The same by the slope that is known.
+    fn by_slope(&self, held: Held) -> f64 {
+        let suction = held.suction_kpa;
         let next = match self.slope {
-            Some(slope) => suction + (most.sqrt() - root) / slope,
+            Some(slope) => suction + (held.most.sqrt() - held.root()) / slope,
             None if suction <= 0.0 => FIRST_KPA,
             None => suction * MOST_FACTOR,
         };
@@ -79,38 +129,66 @@ impl Seal {
 }
 
 impl Solver {
-    /// Ends a solve, unless its void is to be smaller.
-    pub(super) fn seal_or_end(&mut self, verdict: Verdict) {
-        let Some(void) = self.problem.void.filter(|_| self.law.layered().is_some()) else {
-            return self.end(verdict);
-        };
+    /// The void of the solution; `None` of a void without a limit.
+    fn held(&self) -> Option<Held> {
+        let void = self.problem.void.filter(|_| self.law.layered().is_some())?;
         let part = Part::new(self.problem.sheet().nodes_per_side(), self.mirrored);
         let most = void.most_mm3.max(self.problem.least_void_mm3());
-        let volume = self.problem.void_mm3(&self.x, part);
         let (relative, least) = TOLERANCE;
-        let tolerance = (relative * most).max(least);
-        let (suction, was_rough) = (void.suction_kpa, self.seal.is_rough);
-        let off = (volume - most).abs();
-        let is_slack = suction <= 0.0 && volume <= most + tolerance;
-        let is_at_most = suction >= MOST_KPA && volume > most;
-        let is_enough = is_slack || off <= tolerance || is_at_most;
-        if is_enough && !was_rough || verdict != Verdict::Converged {
-            self.seal = Seal::default();
-            return self.end(verdict);
+        Some(Held {
+            suction_kpa: void.suction_kpa,
+            volume: self.problem.void_mm3(&self.x, part),
+            most,
+            tolerance: (relative * most).max(least),
+        })
+    }
+
+    /// Draws the void nearer to its limit, beside the growth of the skin.
+    pub(super) fn pull_beside_growth(&mut self, is_rough: bool) -> Pull {
+        let Some(held) = self.held() else { return Pull::Enough };
+        let suction = held.suction_kpa;
+        let is_near = |failed: f64| failed - suction < NEAR_FAILED * failed;
+        self.seal.is_greatest |= self.seal.failed.is_some_and(is_near);
+        if self.seal.is_greatest || held.is_enough() {
+            return Pull::Enough;
+        }
+        let Some(slope) = self.seal.slope else { return Pull::Unknown };
+        if !is_rough {
+            self.seal.kept = Some(self.kept_solution());
+        }
+        let without = held.root() - slope * suction;
+        let next = if without <= held.most.sqrt() { 0.0 } else { self.seal.next(held) };
+        let changed = self.seal.slope.unwrap_or(slope) / slope;
+        let [least, most] = SLOPES;
+        self.seal.slope = Some(slope * changed.clamp(least, most));
+        self.set_suction(next);
+        Pull::Nearer
+    }
+
+    /// Ends a solve with the void that it has.
+    pub(super) fn end_sealed(&mut self, verdict: Verdict) {
+        self.seal = Seal::default();
+        self.end(verdict);
+    }
+
+    /// Ends a solve, unless its void is to be smaller.
+    pub(super) fn seal_or_end(&mut self, verdict: Verdict) {
+        let Some(held) = self.held() else { return self.end(verdict) };
+        let was_rough = self.seal.is_rough;
+        if held.is_enough() && !was_rough || verdict != Verdict::Converged {
+            return self.end_sealed(verdict);
         }
         if self.seal.solves >= MOST_SOLVES {
-            self.seal = Seal::default();
-            return self.end(if was_rough { Verdict::NotConverged } else { verdict });
+            return self.end_sealed(if was_rough { Verdict::NotConverged } else { verdict });
         }
         if !was_rough {
             self.seal.kept = Some(self.kept_solution());
         }
-        let next = if is_enough { suction } else { self.seal.next(suction, volume, most) };
+        let next = if held.is_enough() { held.suction_kpa } else { self.seal.next(held) };
         self.seal.solves += 1;
-        let is_far = off > ROUGH * tolerance && next < MOST_KPA;
+        let is_far = held.off() > ROUGH * held.tolerance && next < MOST_KPA;
         let is_new = self.seal.failed.is_none() && self.seal.solves <= MOST_ROUGH;
-        let may_be_rough = is_new && self.problem.rest.growth() <= 0.0;
-        self.draw(next, is_far && may_be_rough);
+        self.draw(next, is_far && is_new);
     }
 
     /// Solves again under a suction \[kPa\].
@@ -151,8 +229,13 @@ impl Solver {
         if let Some(modes) = kept.modes {
             self.deform(modes);
         }
-        let last = kept.suction_kpa;
+        let last = kept.suction_kpa.min(MOST_LEFT * failed);
         self.seal.halvings += 1;
+        if self.seal.halvings > MOST_HALVINGS && self.problem.rest.growth() > 0.0 {
+            self.seal.is_greatest = true;
+            self.draw(last, false);
+            return true;
+        }
         if self.seal.halvings > MOST_HALVINGS {
             self.set_suction(last);
             self.seal = Seal::default();

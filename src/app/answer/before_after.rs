@@ -5,8 +5,7 @@ use super::measured::Measured;
 use crate::app::plan::side_in_a_word;
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::remark;
-pub(crate) use crate::body::before_after::NOT_COMPUTED;
-use crate::body::before_after::Row;
+use crate::body::before_after::{NOT_COMPUTED, Row};
 use crate::scene::Scene;
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui, vec2};
@@ -28,6 +27,8 @@ pub(crate) struct Table {
     pub(crate) heads: Vec<String>,
     /// Name with its unit, what it means, and the cells.
     pub(crate) lines: Vec<(String, &'static str, Vec<String>)>,
+    /// What is said below it.
+    pub(crate) notes: Vec<String>,
 }
 
 /// A value with its decimals, or nothing.
@@ -80,17 +81,17 @@ pub(crate) fn table(measured: &Measured, session: &Session, of: Of) -> Option<Ta
     };
     let has_value = |(_, row): &(usize, &Row)| row.gain.is_some() || row.before.is_some();
     let lines = rows.iter().enumerate().filter(has_value).map(line).collect();
-    Some(Table { heads, lines })
+    let proposed = session.scene().placement.as_ref().map_or(0, |of| of.proposed_marks.len());
+    let proposed = (proposed > 0).then(|| tr!(
+        "{proposed} of the 12 marks were proposed by the program and nobody has checked them: lengths from these, and what differs between the sides, may be off by 10 mm and more.",
+        proposed
+    ));
+    let notes = proposed.into_iter().chain([tr(NOT_COMPUTED).to_owned()]).collect();
+    Some(Table { heads, lines, notes })
 }
 
-/// Shows the table, and what it does not contain.
+/// Shows a table, and what is to be said of it.
 pub(crate) fn show(ui: &mut Ui, table: Table, id: &str) {
-    show_table(ui, table, id);
-    remark(ui, tr(NOT_COMPUTED));
-}
-
-/// Shows a table.
-pub(super) fn show_table(ui: &mut Ui, table: Table, id: &str) {
     let heads: Vec<(String, String)> =
         table.heads.into_iter().map(|head| (head, String::new())).collect();
     let line = |(name, about, cells): (String, &'static str, Vec<String>)| Line {
@@ -110,6 +111,9 @@ pub(super) fn show_table(ui: &mut Ui, table: Table, id: &str) {
             columns.row(ui, [&line.name, line.about], line.cells.iter(), cell);
         }
     });
+    for note in &table.notes {
+        remark(ui, note);
+    }
 }
 
 #[cfg(test)]
@@ -155,5 +159,11 @@ mod tests {
         let [before, after, gain] = [0, 1, 2].map(|k| notch[k].parse::<f64>().unwrap());
         assert!((after - before - gain).abs() < 0.11 && gain > 0.0, "{notch:?}");
         assert_eq!(plan.lines[0].0, "Notch to nipple, cm");
+        assert_eq!(plan.notes, [NOT_COMPUTED]);
+        let mut scene = session.scene().clone();
+        scene.placement.as_mut().unwrap().proposed_marks = vec!["navel".to_owned()];
+        session.apply(Command::Edit { scene: Box::new(scene), gesture: 1 }).unwrap();
+        let plan = table(&measured, &session, Of::Plan).unwrap();
+        assert!(plan.notes[0].starts_with("1 of the 12 marks were proposed"), "{:?}", plan.notes);
     }
 }

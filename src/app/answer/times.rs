@@ -14,7 +14,7 @@ use eframe::egui::Ui;
 pub(crate) const TITLE: &str = "On the table and later";
 
 /// What the table has and leaves out.
-pub(crate) const NOTE: &str = "In brackets: within one standard deviation of relaxation and growth, which are estimates from skin of animals and from when breasts \
+const NOTE: &str = "In brackets: within one standard deviation of relaxation and growth, which are estimates from skin of animals and from when breasts \
      stop changing. Fat, capsule and the way of the fold are not computed.";
 
 /// Quantities of the table, with their decimals.
@@ -74,7 +74,8 @@ impl PlanTimes {
             fold.to_vec(),
         );
         let heads = When::ALL.map(|when| name(when).to_owned()).to_vec();
-        Some(Table { heads, lines: ROWS.into_iter().map(row).chain([fold]).collect() })
+        let lines = ROWS.into_iter().map(row).chain([fold]).collect();
+        Some(Table { heads, lines, notes: vec![tr(NOTE).to_owned()] })
     }
 
     /// The section of the table; nothing for skin without a state.
@@ -90,8 +91,7 @@ impl PlanTimes {
                 }
                 return;
             };
-            before_after::show_table(ui, table, "times");
-            remark(ui, tr(NOTE));
+            before_after::show(ui, table, "times");
         });
     }
 }

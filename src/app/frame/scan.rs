@@ -50,9 +50,10 @@ impl App {
             let words = tr("These are marks of a body: open its scan (PLY, STL, OBJ, GLB) first.");
             return Some(Notice::info(words));
         };
-        let error = scan.take_marks(text).err();
-        self.notice = None;
-        error.map(|error| Notice::error(tr!("{name} cannot be read: {error}", name, error)))
+        Some(match scan.take_marks(text) {
+            Ok(()) => Notice::info(tr!("The marks are those of {name}.", name)),
+            Err(error) => Notice::error(tr!("{name} cannot be read: {error}", name, error)),
+        })
     }
 
     /// Takes the last step back: of the marks while they are set, else of the plan.
@@ -66,6 +67,7 @@ impl App {
     /// Ends the step: the plan has the body as one step of its history, or is as it was.
     pub(crate) fn end_scan(&mut self, choice: Choice) {
         let Some(mut scan) = self.scan.take() else { return };
+        self.notice = None;
         if choice == Choice::Cancel {
             return;
         }

@@ -17,7 +17,7 @@ use crate::scene::{self, COVER_MM, Scene};
 use crate::view::torso::Torso;
 use glam::{DMat3, DVec3};
 pub(crate) use panel::Choice;
-use points::{COUNT, Points};
+use points::Points;
 use std::rc::Rc;
 
 /// A scan whose marks are being set.
@@ -34,8 +34,6 @@ pub(crate) struct Scan {
     /// Axes of the drawn body: across, head, front.
     axes: DMat3,
     drawn: Rc<Torso>,
-    /// Are the marks those of a proposal that nobody has touched?
-    is_proposed: bool,
     /// The fit of the marks as they are, or why there is none; `None` until it is made.
     fitted: Option<Result<Box<BodyFit>, String>>,
 }
@@ -65,7 +63,6 @@ impl Scan {
             chosen: 0,
             axes,
             drawn,
-            is_proposed: proposed.is_some(),
             fitted: None,
         }
     }
@@ -88,7 +85,7 @@ impl Scan {
             let (name, label) = points::name(mark);
             Some(Dot { at, name, label, is_chosen: mark == self.chosen })
         };
-        (0..COUNT).filter_map(dot).collect()
+        self.points.listed(self.side).filter_map(dot).collect()
     }
 
     /// Turns the drawn body about the axis across by a right angle.
@@ -99,9 +96,9 @@ impl Scan {
 
     /// Takes what the user did in the picture.
     pub(crate) fn touch(&mut self, touched: Touched) {
-        self.is_proposed &= matches!(touched, Touched::Chosen(_));
         let place = |at: glam::Vec3| self.drawn.frame().point(at.as_dvec3());
-        let set = |k: usize| (0..COUNT).filter(|m| self.points.get(*m, self.side).is_some()).nth(k);
+        let is_set = |mark: &usize| self.points.get(*mark, self.side).is_some();
+        let set = |k: usize| self.points.listed(self.side).filter(is_set).nth(k);
         match touched {
             Touched::Skin(at) => {
                 let at = place(at);
@@ -111,7 +108,10 @@ impl Scan {
                     self.fitted = None;
                 }
             }
-            Touched::Chosen(k) => self.chosen = set(k).unwrap_or(self.chosen),
+            Touched::Chosen(k) => {
+                let mark = set(k).unwrap_or(self.chosen);
+                self.choose(mark);
+            }
             Touched::Moved(k, at, is_step) => {
                 let (at, mark) = (place(at), set(k));
                 if let Some(mark) = mark {
@@ -121,6 +121,12 @@ impl Scan {
                 }
             }
         }
+    }
+
+    /// Chooses a mark, which is checked with that.
+    fn choose(&mut self, mark: usize) {
+        self.chosen = mark;
+        self.points.check(mark, self.side);
     }
 
     /// Takes the last step of the marks back.
@@ -137,7 +143,6 @@ impl Scan {
     pub(crate) fn take_marks(&mut self, text: &str) -> Result<(), String> {
         let marks = Marks::from_json(text).map_err(|error| error.to_string())?;
         self.points.set_all(&marks.scaled(self.read.unit.factor()));
-        self.is_proposed = false;
         self.chosen = self.points.missing(self.side).unwrap_or(0);
         self.fitted = None;
         Ok(())
@@ -187,8 +192,11 @@ impl Scan {
             None => return Err(tr("A mark is missing.").to_owned()),
         };
         let fitted = Scene::of_body(found, (&marks, side), cover_mm, unit);
-        let fitted = fitted.map_err(|error| shown(&error.to_string()))?;
+        let mut fitted = fitted.map_err(|error| shown(&error.to_string()))?;
         let mut words: Vec<String> = found.quality.warnings().iter().map(|of| shown(of)).collect();
+        if let Some(placement) = &mut fitted.placement {
+            placement.proposed_marks = self.points.proposed();
+        }
         let kept = kept(&fitted, &plan);
         if kept.is_err() {
             words.push(tr("The implant of the plan does not fit here: the usual one.").to_owned());

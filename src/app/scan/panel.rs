@@ -1,7 +1,7 @@
 //! The controls of a scan: unit, side, pinch, the list of the marks, what the fit says.
 
 use super::Scan;
-use super::points::{self, COUNT};
+use super::points;
 use crate::app::plan::{Hand, chip, chips, named};
 use crate::app::texts::{localized, shown, tr};
 use crate::app::widgets::theme::{self, SPACE_SMALL};
@@ -34,6 +34,11 @@ impl Scan {
         self.list(ui, hand);
         ui.add_space(SPACE_SMALL);
         self.findings(ui, plan);
+    }
+
+    /// The marks of the list.
+    fn listed(&self) -> impl Iterator<Item = usize> {
+        self.points.listed(self.side)
     }
 
     /// May the marks be fitted now? No fit for every step of a drag.
@@ -102,7 +107,8 @@ impl Scan {
         });
         if let Some(side) = chosen {
             self.side = side;
-            self.chosen = self.points.missing(side).unwrap_or(self.chosen);
+            let same = points::of_other_side(self.chosen);
+            self.chosen = self.points.missing(side).unwrap_or(same);
             self.fitted = None;
         }
     }
@@ -132,29 +138,38 @@ impl Scan {
                 }
                 tr!("Click on her body: {mark}.", mark = points::name(self.chosen).0)
             }
-            None if self.is_proposed => {
-                tr("The marks are proposed: check each, drag those that are off.").to_owned()
+            None if self.listed().any(|mark| self.points.is_proposed(mark, self.side)) => {
+                tr("The marks with a question mark are proposed: click on each, drag those that are off.")
+                    .to_owned()
             }
             None => tr("Drag a dot, or move it by the arrow keys (Shift: 1 cm).").to_owned(),
         };
         ui.add(egui::Label::new(RichText::new(words).strong()).wrap());
         // Without marks nothing tells the axes.
-        if (0..COUNT).all(|mark| self.points.get(mark, self.side).is_none()) {
+        if self.listed().all(|mark| self.points.get(mark, self.side).is_none()) {
             remark(ui, tr("No breasts were recognised. The body should stand upright here."));
             if ui.button(tr("Turn the body")).clicked() {
                 self.turn();
             }
         }
+        let mut chosen = None;
         chips(ui, |ui| {
-            for mark in 0..COUNT {
+            for mark in self.listed() {
                 let (name, word) = points::name(mark);
-                let is_set = self.points.get(mark, self.side).is_some();
-                let text = if is_set { word.to_owned() } else { format!("{word} …") };
-                if chip(ui, hand, mark == self.chosen, &text, name) {
-                    self.chosen = mark;
+                let is_proposed = self.points.is_proposed(mark, self.side);
+                let text = match self.points.get(mark, self.side) {
+                    None => format!("{word} …"),
+                    Some(_) if is_proposed => format!("{word} ?"),
+                    Some(_) => word.to_owned(),
+                };
+                if chip(ui, hand, mark == self.chosen && !is_proposed, &text, name) {
+                    chosen = Some(mark);
                 }
             }
         });
+        if let Some(mark) = chosen {
+            self.choose(mark);
+        }
     }
 
     /// The buttons below the controls. Returns how the user ends the step, once so.

@@ -1,11 +1,11 @@
 //! The marks of a scan while they are set: one by one, with their own history.
 
 use crate::app::texts::tr;
-use crate::body::marks::{BreastMarks, Marks, Side};
+use crate::body::marks::{self, BreastMarks, Marks, Side};
 use glam::DVec3;
 
-/// Number of marks that are set at a time.
-pub(super) const COUNT: usize = 8;
+/// Number of marks that a side needs; those of the other breast follow.
+const COUNT: usize = 8;
 /// Number of marks of both sides.
 const ALL: usize = 12;
 /// Marks of a breast.
@@ -14,7 +14,7 @@ const OF_BREAST: usize = 4;
 const HISTORY: usize = 200;
 
 /// Names of the marks, and the words beside them, in the order in which they are asked for.
-const NAMES: [(&str, &str); COUNT] = [
+const NAMES: [(&str, &str); ALL] = [
     ("Sternal notch", "notch"),
     ("Navel", "navel"),
     ("Left nipple", "left nipple"),
@@ -23,6 +23,10 @@ const NAMES: [(&str, &str); COUNT] = [
     ("Upper end of the breast", "upper"),
     ("End towards the midline", "inner"),
     ("End towards the flank", "outer"),
+    ("Other breast: fold, lowest point", "other fold"),
+    ("Other breast: upper end", "other upper"),
+    ("Other breast: end towards the midline", "other inner"),
+    ("Other breast: end towards the flank", "other outer"),
 ];
 
 /// Places of the marks \[mm\], in the axes of the surface: notch, navel, nipples, then those of the left and of the right breast.
@@ -33,11 +37,22 @@ type Places = [Option<DVec3>; ALL];
 pub(super) struct Points {
     at: Places,
     before: Vec<Places>,
+    /// Was a mark proposed, and has nobody looked at it?
+    is_proposed: [bool; ALL],
 }
 
 /// The place of a mark among those of both sides.
 fn index(mark: usize, side: Side) -> usize {
-    if side == Side::Right && mark >= COUNT - OF_BREAST { mark + OF_BREAST } else { mark }
+    if side == Side::Right { of_other_side(mark) } else { mark }
+}
+
+/// The number of a mark for the other side.
+pub(super) fn of_other_side(mark: usize) -> usize {
+    match mark {
+        4..COUNT => mark + OF_BREAST,
+        COUNT.. => mark - OF_BREAST,
+        _ => mark,
+    }
 }
 
 /// The name of a mark, and the word beside it.
@@ -52,7 +67,29 @@ impl Points {
         let mut points = Self::default();
         points.set_all(marks);
         points.before.clear();
+        points.is_proposed = points.at.map(|at| at.is_some());
         points
+    }
+
+    /// The marks to show: those of a side, and those of the other breast that are set.
+    pub(super) fn listed(&self, side: Side) -> impl Iterator<Item = usize> {
+        (0..ALL).filter(move |mark| *mark < COUNT || self.get(*mark, side).is_some())
+    }
+
+    /// Was a mark proposed, and has nobody looked at it?
+    pub(super) fn is_proposed(&self, mark: usize, side: Side) -> bool {
+        self.is_proposed[index(mark, side)]
+    }
+
+    /// The surgeon has looked at a mark.
+    pub(super) fn check(&mut self, mark: usize, side: Side) {
+        self.is_proposed[index(mark, side)] = false;
+    }
+
+    /// Names of the marks that nobody has looked at.
+    pub(super) fn proposed(&self) -> Vec<String> {
+        let names = marks::NAMES.iter().zip(self.is_proposed);
+        names.filter(|(_, is)| *is).map(|(name, _)| (*name).to_owned()).collect()
     }
 
     pub(super) fn get(&self, mark: usize, side: Side) -> Option<DVec3> {
@@ -65,6 +102,7 @@ impl Points {
             self.keep();
         }
         self.at[index(mark, side)] = Some(at);
+        self.check(mark, side);
     }
 
     /// Sets all marks of a file, as a step of the history.
@@ -78,9 +116,10 @@ impl Points {
         };
         let common = [sternal_notch, navel, left, right].map(Some);
         let all = common.into_iter().chain(breasts.into_iter().flat_map(of));
-        for (own, at) in self.at.iter_mut().zip(all) {
+        for ((own, is_proposed), at) in self.at.iter_mut().zip(&mut self.is_proposed).zip(all) {
             // Marks of a breast that a file does not have stay.
             *own = at.or(*own);
+            *is_proposed &= at.is_none();
         }
     }
 
@@ -162,5 +201,23 @@ mod tests {
             points.undo();
         }
         assert_eq!(points.missing(Side::Right), Some(0));
+    }
+
+    /// A mark that was chosen, moved or read is the surgeon's; those of the other breast are listed while they are set.
+    #[test]
+    fn proposed_marks_are_those_that_nobody_has_looked_at() {
+        let torso::Torso { marks, .. } = torso::builtin();
+        let mut points = Points::of(&marks);
+        assert_eq!(points.proposed(), marks::NAMES);
+        assert_eq!(points.listed(Side::Left).count(), ALL);
+        points.check(3, Side::Left);
+        points.set(4, Side::Right, DVec3::ZERO, true);
+        points.check(of_other_side(7), Side::Right);
+        let checked = ["nipple_right", "fold_right", "lateral_left"];
+        let is_left = |name: &&str| !checked.contains(name);
+        assert!(points.proposed().iter().eq(marks::NAMES.iter().filter(|name| is_left(name))));
+        points.set_all(&Marks { breasts: [marks.breasts[0], None], ..marks });
+        assert_eq!(points.proposed(), ["upper_right", "medial_right", "lateral_right"]);
+        assert!(Points::default().listed(Side::Right).eq(0..COUNT));
     }
 }

@@ -61,6 +61,15 @@ pub(super) struct Arguments {
     /// Clinical population: every pocket is above, partly or wholly below the muscle, 6 to 12 mm of 3 to 30 kPa.
     #[arg(long, requires = "clinical")]
     plane: bool,
+    /// Clinical population: every pocket has a new fold up to 20 mm below the old one.
+    #[arg(long, requires = "clinical")]
+    fold: bool,
+    /// Clinical population: half of the pockets limit the void to a volume of up to 30 ml.
+    #[arg(long, requires = "clinical")]
+    pocket_void: bool,
+    /// Clinical population: every patient is lying, standing, or without weight.
+    #[arg(long, requires = "clinical")]
+    posture: bool,
     /// Clinical population: solves every converged case again, to measure its error.
     #[arg(long, requires = "clinical")]
     measure_errors: bool,
@@ -119,6 +128,9 @@ fn run_clinical(arguments: &Arguments) -> Result<ExitStatus, InputError> {
         has_growth: arguments.skin_growth,
         has_fill: arguments.fill,
         has_plane: arguments.plane,
+        has_fold: arguments.fold,
+        has_void: arguments.pocket_void,
+        has_posture: arguments.posture,
         nodes_per_side: nodes,
         measures_errors: measure_errors,
     };

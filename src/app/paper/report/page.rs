@@ -158,11 +158,8 @@ impl Page {
         put(page, "h2", tr("Numbers"));
         numbers(page, &self.table);
         page.push_str("</div>");
-        let tables = [
-            (&self.measures, before_after::TITLE, before_after::NOT_COMPUTED),
-            (&self.times, times::TITLE, times::NOTE),
-        ];
-        for (measures, title, note) in tables {
+        let tables = [(&self.measures, before_after::TITLE), (&self.times, times::TITLE)];
+        for (measures, title) in tables {
             let Some(measures) = measures else { continue };
             page.push_str("<div>");
             put(page, "h2", tr(title));
@@ -172,8 +169,10 @@ impl Page {
             };
             let rows: Vec<Vec<String>> = measures.lines.iter().map(row).collect();
             table(page, "measures", &head.collect::<Vec<_>>(), &rows);
-            let note = escaped(tr(note));
-            let _ = write!(page, "<p class=\"quiet\">{note}</p></div>");
+            for note in &measures.notes {
+                let _ = write!(page, "<p class=\"quiet\">{}</p>", escaped(note));
+            }
+            page.push_str("</div>");
         }
         if let Some((head, rows)) = self.steps.split_first() {
             page.push_str("<div>");
@@ -335,6 +334,7 @@ mod tests {
             measures: Some(before_after::Table {
                 heads: vec![hostile.clone()],
                 lines: vec![(hostile.clone(), "", vec!["+7".to_owned()])],
+                notes: vec![hostile.clone()],
             }),
             times: None,
             bands: Some(hostile.clone()),
@@ -346,7 +346,7 @@ mod tests {
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
         let count = html.matches("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;").count();
-        assert_eq!(count, 25);
+        assert_eq!(count, 26);
         let css = "@top-left{content:\"\\3c script\\3e alert\\28 1\\29 \\3c \\2f script\\3e \\26 \\22 \";";
         assert!(html.contains(css), "{html}");
         assert!(!html.contains("class=\"blank\""), "a filled line of the patient");
