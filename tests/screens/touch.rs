@@ -149,16 +149,18 @@ fn rows_of_menus_and_lists_have_the_size_of_a_finger_on_a_phone() {
             let before = sizes_of(&harness, Role::Button);
             press(&mut harness, menu);
             harness.run_steps(4);
-            // An upright phone has room for all rows, on a turned one they scroll.
-            let is_whole = |shape: &egui::epaint::ClippedShape| match &shape.shape {
-                egui::Shape::Text(text) if text.galley.text() == last => {
-                    shape.clip_rect.contains_rect(text.visual_bounding_rect())
-                }
-                _ => false,
-            };
-            assert!(size != PHONE || harness.output().shapes.iter().any(is_whole), "{last}");
-            press(&mut harness, further);
-            harness.run_steps(4);
+            // An upright phone has room for all rows, and for the menu in the menu; on a turned one they scroll.
+            if size == PHONE {
+                let is_whole = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+                    egui::Shape::Text(text) if text.galley.text() == last => {
+                        shape.clip_rect.contains_rect(text.visual_bounding_rect())
+                    }
+                    _ => false,
+                };
+                assert!(harness.output().shapes.iter().any(is_whole), "{last}");
+                press(&mut harness, further);
+                harness.run_steps(4);
+            }
             let tall = |(_, rect): &(String, egui::Rect)| rect.height() >= FINGER;
             let mut added = sizes_of(&harness, Role::Button);
             added.retain(|button| !before.contains(button));

@@ -223,13 +223,14 @@ mod tests {
             low: 0.0,
             high: 50.0,
             ticks: [0.0, 10.0, 20.0, 50.0].map(|at| (at, format!("{at}"))).to_vec(),
-            words: vec![(10.0, "usual".to_owned()), (35.0, "high".to_owned())],
+            words: vec![(10.0, "usual"), (35.0, "high")],
             greatest: Some(greatest),
             table: vec![[1.0; 3]; 4],
         };
-        for (greatest, draw) in (0..=10).flat_map(|k| {
-            [(5.0 * k as f32, strip as fn(_, _, _, _) -> _), (5.0 * k as f32, column)]
-        }) {
+        type Draw = fn(&Ui, &Painter, Rect, &Scale) -> Rect;
+        let draws: [Draw; 2] = [strip, column];
+        for (draw, k) in draws.into_iter().flat_map(|draw| (0..=10).map(move |k| (draw, k))) {
+            let greatest = 5.0 * k as f32;
             let ctx = egui::Context::default();
             theme::install(&ctx);
             let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
