@@ -277,7 +277,9 @@ impl Solver {
         let newton = self.newton.get_or_insert_with(|| NewtonMethod::new(problem, law, factor));
         match start {
             Start::Cold => newton.start_cold(problem, law),
-            Start::FromSolution => newton.start_from((&self.x, &self.outer), problem, law),
+            Start::FromSolution | Start::Refining => {
+                newton.start_from(start, (&self.x, &self.outer), problem, law);
+            }
         }
     }
 
@@ -370,10 +372,7 @@ impl Solver {
             fas::State::Converged => {
                 let needs_newton = self.options.method == Method::Automatic && self.needs_newton();
                 if needs_newton && self.is_in_reach_of_newton() {
-                    // From rounding it would stall.
-                    let ending = self.multigrid.as_ref().map(Multigrid::ending);
-                    let is_rounding = ending.is_some_and(|ending| ending.has_rounded_forces);
-                    self.start_newton(if is_rounding { Start::Cold } else { Start::FromSolution });
+                    self.complete_multigrid();
                 } else if needs_newton {
                     self.end(Verdict::NotConverged);
                 } else {

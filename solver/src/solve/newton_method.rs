@@ -1,6 +1,6 @@
 //! Newton's method for either tissue model; the equilibrium on the branch of a shape.
 
-use super::multigrid::Law;
+use super::multigrid::{Law, Multigrid};
 use super::newton::{LayeredSystem, NestedNewton, SheetSystem, Start, State};
 use super::validity::Invalid;
 use super::{Method, Options, Problem, Solver};
@@ -49,11 +49,12 @@ impl NewtonMethod {
     /// Starts from the positions of the inner face and of the layers of nodes above.
     pub(super) fn start_from(
         &mut self,
+        start: Start,
         shape: (&[DVec3], &[Vec<DVec3>]),
         problem: &Problem,
         law: &Law,
     ) {
-        delegate!(self, law, newton => newton.start_from(shape, law, problem));
+        delegate!(self, law, newton => newton.start_from(start, shape, law, problem));
     }
 
     pub(super) fn step(&mut self, problem: &Problem, law: &Law) -> State {
@@ -110,6 +111,21 @@ impl NewtonMethod {
 }
 
 impl Solver {
+    /// Starts Newton's method from the solution of multigrid.
+    pub(super) fn complete_multigrid(&mut self) {
+        let ending = self.multigrid.as_ref().map(Multigrid::ending);
+        let is_layered = self.law.layered().is_some();
+        // A shape with a greater error replaces it only where Newton's method converges.
+        self.kept = ending.filter(|_| is_layered);
+        let is_rounding = ending.is_some_and(|ending| ending.has_rounded_forces);
+        self.start_newton(match () {
+            // From rounding it would stall.
+            () if is_rounding => Start::Cold,
+            () if is_layered => Start::Refining,
+            () => Start::FromSolution,
+        });
+    }
+
     /// The solution of the same problem with another tolerance \[base radius\] by Newton's method from the present shape: an
     /// equilibrium on the branch of that shape, where a solve from rest may end on another branch. A factor multiplies the limits of
     /// work.

@@ -1,6 +1,6 @@
 //! Line search along the step, projected out of the obstacle, and the error estimate from step sizes.
 
-use super::{Case, Newton, Phase, State, System};
+use super::{Case, Newton, Phase, Refinement, State, System};
 use crate::contact::Obstacle;
 use crate::contact::active_set::ON_DOME;
 use glam::DVec3;
@@ -88,13 +88,22 @@ impl<S: System> Newton<S> {
         is_stiff: bool,
     ) {
         let most = S::PARAMETERS.max_convergence_factor;
-        let rate = if is_stiff { most } else { (trial.largest / self.last_step).min(most) };
+        let least = self.refinement.map_or(0.0, Refinement::least_rate);
+        let rate =
+            if is_stiff { most } else { (trial.largest / self.last_step).min(most).max(least) };
         self.error = if is_whole && self.last_step.is_finite() {
             growth * trial.largest * rate / (1.0 - rate)
         } else {
             f64::INFINITY
         };
         self.last_step = if is_whole { trial.largest } else { f64::INFINITY };
+    }
+
+    /// The state of an iteration that ends: an estimate within the tolerance is convergence, although the last step was longer.
+    pub(super) fn ended(&self, case: &Case<S::Law>) -> State {
+        let is_balanced = self.relative_residual <= S::PARAMETERS.max_residual_before_step;
+        let is_near = is_balanced && self.error <= case.tolerance;
+        if is_near { State::Converged } else { State::Stalled }
     }
 
     /// Are error and step within the tolerance, and was the residual before the step small? Contact may shorten a step

@@ -58,6 +58,31 @@ pub(super) struct Case<'a, L> {
     suction_kpa: f64,
     /// Tolerance of positions \[mm\].
     tolerance: f64,
+    /// Is a solution refined?
+    refines: bool,
+}
+
+/// A step from a solution to a smaller tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Refinement {
+    Improving,
+    /// By the fall of the residual within the tolerance: for the estimate of the error alone.
+    Confirming,
+}
+
+impl Refinement {
+    /// Drop of √(r·z) in a round of conjugate gradients \[-\].
+    fn drop(self) -> f64 {
+        match self {
+            Self::Improving => 1e-2,
+            Self::Confirming => 0.1,
+        }
+    }
+
+    /// The least ratio of the step after this one to this one \[-\].
+    fn least_rate(self) -> f64 {
+        3.0 * self.drop()
+    }
 }
 
 /// The grid's nodes.
@@ -137,6 +162,8 @@ pub(super) struct Newton<S: System> {
     /// Length of the last whole step \[mm\].
     last_step: f64,
     relative_residual: f64,
+    /// Of the next step.
+    refinement: Option<Refinement>,
     /// Estimated greatest node position error \[mm\].
     error: f64,
     work_units: f64,
@@ -175,6 +202,7 @@ impl<S: System> Newton<S> {
             rounds: 0,
             last_step: f64::INFINITY,
             relative_residual: f64::INFINITY,
+            refinement: None,
             error: f64::INFINITY,
             work_units: 0.0,
             max_iterations: (f64::from(limits.max_iterations) * work_limit_factor) as u32,
@@ -223,7 +251,12 @@ impl<S: System> Newton<S> {
         if let Some(state) = S::complete(self, case) {
             return state;
         }
-        self.relative_residual = self.residual(case);
+        let residual = self.residual(case);
+        let expected = self.last_step * residual / self.relative_residual;
+        self.relative_residual = residual;
+        let is_confirmed = expected <= case.tolerance;
+        let refinement = if is_confirmed { Refinement::Confirming } else { Refinement::Improving };
+        self.refinement = case.refines.then_some(refinement);
         self.d.iter_mut().for_each(|layer| layer.fill(DVec3::ZERO));
         self.rounds = 0;
         S::begin_rounds(self);

@@ -1,5 +1,6 @@
 //! Newton's method on nested grids: each grid starts from the prolongated solution of the coarser grid. On the coarsest
-//! grid the dome may rise step by step.
+//! grid the dome may rise step by step. A refinement of a solution to a small tolerance has the finest grid alone, and goes on as long
+//! as its residual falls.
 
 use super::{Case, Newton, Problem, State, System, prolongation};
 use crate::contact::Obstacle;
@@ -13,7 +14,12 @@ pub(in crate::solve) enum Start {
     Cold,
     /// The current solution.
     FromSolution,
+    /// The current solution, to a smaller tolerance than its own.
+    Refining,
 }
+
+/// The most iterations of a refinement in which its residual falls to a tenth.
+const ITERATIONS_PER_DECADE: u32 = 4;
 
 /// Newton's method on a grid and its coarser grids.
 pub(in crate::solve) struct NestedNewton<S: System> {
@@ -22,6 +28,8 @@ pub(in crate::solve) struct NestedNewton<S: System> {
     /// The grid being solved.
     grid: usize,
     start: Start,
+    /// Of a refinement: the last relative residual \[-\] that was a tenth of such a one before, and its iteration.
+    decade: (f64, u32),
     /// Part of the dome's height above the wall that stands on the coarsest grid \[-\].
     raised: f64,
     checks: S::Checks,
@@ -47,6 +55,7 @@ impl<S: System> NestedNewton<S> {
             levels,
             grid: 0,
             start: Start::Cold,
+            decade: (f64::INFINITY, 0),
             raised: 1.0,
             checks: S::Checks::default(),
             max_work: S::PARAMETERS.work_of_all_grids.of(elements) * work_limit_factor,
@@ -68,11 +77,13 @@ impl<S: System> NestedNewton<S> {
     /// Starts from positions on the finest grid, of the inner face and of the layers of nodes above.
     pub(in crate::solve) fn start_from(
         &mut self,
+        start: Start,
         (inner, outer): (&[DVec3], &[Vec<DVec3>]),
         law: &S::Law,
         problem: &Problem,
     ) {
-        self.start = Start::FromSolution;
+        self.start = start;
+        self.decade = (f64::INFINITY, 0);
         self.checks = S::Checks::default();
         self.grid = self.levels.len() - 1;
         self.raised = 1.0;
@@ -100,16 +111,20 @@ impl<S: System> NestedNewton<S> {
         if self.raised < 1.0 {
             raise(&mut obstacle, self.raised);
         }
-        Case { law, patch, obstacle, suction_kpa: problem.suction_kpa(), tolerance }
+        let (suction_kpa, refines) = (problem.suction_kpa(), self.start == Start::Refining);
+        Case { law, patch, obstacle, suction_kpa, tolerance, refines }
     }
 
     /// Does the next piece of work. A state other than [`State::Working`] is the final state of the finest grid, or
     /// [`State::Unstable`] on any grid.
     pub(in crate::solve) fn step(&mut self, law: &S::Law, problem: &Problem) -> State {
-        if self.work_units() > self.max_work {
-            return State::Stalled;
+        if self.start == Start::Refining {
+            return self.refine_solution(law, problem);
         }
         let (case, is_finest) = (self.case(law, problem), self.is_on_finest());
+        if self.work_units() > self.max_work {
+            return if is_finest { self.levels[self.grid].ended(&case) } else { State::Stalled };
+        }
         let level = &mut self.levels[self.grid];
         let state = level.step(&case);
         if self.raised < 1.0 {
@@ -137,6 +152,23 @@ impl<S: System> NestedNewton<S> {
             }
             State::Saddle => state,
             State::Converged | State::Stalled => S::check(level, &mut self.checks, &case, state),
+        }
+    }
+
+    /// Does the next piece of work of a refinement. No limit of work: the solution is known, and a tolerance costs what it costs.
+    fn refine_solution(&mut self, law: &S::Law, problem: &Problem) -> State {
+        let case = self.case(law, problem);
+        let level = &mut self.levels[self.grid];
+        let state = level.step(&case);
+        let Newton { relative_residual, iterations, .. } = *level;
+        if relative_residual <= 0.1 * self.decade.0 {
+            self.decade = (relative_residual, iterations);
+        }
+        let is_idle = iterations > self.decade.1 + ITERATIONS_PER_DECADE;
+        match state {
+            State::Working if !is_idle => state,
+            State::Working | State::Stalled => level.ended(&case),
+            State::Converged | State::Unstable | State::Saddle => state,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Conjugate gradients along the step, as far as the quadratic model is trusted.
 
 use super::{CgState, LayeredNewton, PARAMETERS, Phase};
+use crate::solve::newton::Refinement;
 use crate::solve::newton::conjugate_gradients::{add, longest};
 
 impl LayeredNewton {
@@ -24,7 +25,8 @@ impl LayeredNewton {
         let norm = rho.max(0.0).sqrt();
         let start = if step == 0 { norm } else { before.start };
         let is_near = self.relative_residual < PARAMETERS.near;
-        let drop = if is_near { PARAMETERS.cg_drop_near } else { PARAMETERS.cg_drop };
+        let usual = if is_near { PARAMETERS.cg_drop_near } else { PARAMETERS.cg_drop };
+        let drop = self.refinement.map_or(usual, Refinement::drop);
         let is_small = step > 0 && norm <= drop * start;
         if rho <= 0.0 || !rho.is_finite() || is_small || step >= PARAMETERS.max_cg_steps {
             self.phase = Phase::ActiveSet;
