@@ -85,6 +85,9 @@ fn is_even([one, two]: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curve::CurveSpec;
+    use crate::springs::Material;
+    use crate::springs::coupled::CoupledLaw;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
     #[test]
@@ -108,5 +111,45 @@ mod tests {
         assert_eq!(mirrored([1.04, 1.04], 0.3), [true; 2]);
         assert_eq!(mirrored([1.08, 1.02], 0.3), [false; 2]);
         assert_eq!(NaturalStretch::new([1.0, 1.0], 0.3), None);
+    }
+
+    /// Principal stretches of a deformation gradient and their directions before and after.
+    fn principal(gradient: DMat2) -> [(f64, DVec2, DVec2); 2] {
+        let square = gradient.transpose() * gradient;
+        let (xx, xy, yy) = (square.x_axis.x, square.x_axis.y, square.y_axis.y);
+        let before = DVec2::from_angle(0.5 * (2.0 * xy).atan2(xx - yy));
+        [before, before.perp()].map(|before| {
+            let after = gradient * before;
+            (after.length(), before, after.normalize())
+        })
+    }
+
+    /// A strip under natural tension that is sheared along it, and grows with that: its force per shear, by differences, changes its sign at the bound.
+    #[test]
+    fn skin_resists_shear_up_to_the_greatest_growth() {
+        let curve = CurveSpec::Exponential { scale_kpa: 20.0, rate: 6.0 };
+        let law = CoupledLaw::new(&[Material::of(&curve, 0.45, 1.5)]);
+        for stretches in [[1.2, 1.03], [1.05, 1.12]] {
+            let natural = NaturalStretch::new(stretches, 0.0).unwrap();
+            // Shear along the greater tension.
+            let along = if stretches[0] > stretches[1] { DVec2::X } else { DVec2::Y };
+            let force = |growth: f64, shear: f64| {
+                let outer = |a: DVec2, b: DVec2| DMat2::from_cols(a * b.x, a * b.y);
+                let gradient = DMat2::IDENTITY + shear * outer(along, along.perp());
+                let grown = principal(gradient)
+                    .map(|(stretch, before, _)| stretch.powf(growth) * outer(before, before));
+                let rest = natural.inverse * (grown[0] + grown[1]);
+                let elastic = principal(gradient * rest.inverse());
+                let tension = law.response(elastic.map(|(stretch, ..)| stretch - 1.0)).tension;
+                let nominal = [0, 1].map(|k| tension[k] * outer(elastic[k].2, elastic[k].1));
+                let nominal = (nominal[0] + nominal[1]) * rest.inverse().transpose();
+                along.dot(nominal * along.perp()) * rest.determinant()
+            };
+            let bound = natural.greatest_growth();
+            let stiffness = |growth: f64| (force(growth, 1e-5) - force(growth, -1e-5)) / 2e-5;
+            assert!(stiffness(bound - 1e-3) > 0.0 && stiffness(bound + 1e-3) < 0.0, "{bound}");
+        }
+        let even = NaturalStretch::new([1.1, 1.1], 0.0).unwrap();
+        assert!((even.greatest_growth() - 1.0).abs() < 1e-15);
     }
 }

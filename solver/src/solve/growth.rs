@@ -24,13 +24,13 @@ const ROUGH: f64 = 2e-3;
 const ROUGH_CYCLES: (u32, u32) = (2, 8);
 
 /// Part of the least change of Γ so far above which a solve has brought nothing: what the rough solve left is mixed with the growth.
-const STALLED: f64 = 0.7;
+const STALLED: f64 = 0.85;
 
 /// Solves after the first one at most, and the change of Γ up to which the last one is accepted \[-\].
 const MOST_SOLVES: (u32, f64) = (24, 1e-3);
 
 /// Solves whose growths are mixed.
-const DEPTH: usize = 6;
+const DEPTH: usize = 4;
 
 /// Regularisation of the mixing \[-\].
 const LEAST_PART: f64 = 1e-6;

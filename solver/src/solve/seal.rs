@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// Difference of the void from its greatest volume at the end \[greatest volume; mm³\].
 const TOLERANCE: (f64, f64) = (3e-3, 20.0);
+/// The same beside growth, whose own tolerance moves the void \[tolerance\].
+const BESIDE_GROWTH: f64 = 3.0;
 /// Difference above which the next solve is rough \[tolerance\].
 const ROUGH: f64 = 8.0;
 /// Cycles of the finest grid of a rough solve.
@@ -145,7 +147,8 @@ impl Solver {
 
     /// Draws the void nearer to its limit, beside the growth of the skin.
     pub(super) fn pull_beside_growth(&mut self, is_rough: bool) -> Pull {
-        let Some(held) = self.held() else { return Pull::Enough };
+        let Some(mut held) = self.held() else { return Pull::Enough };
+        held.tolerance *= BESIDE_GROWTH;
         let suction = held.suction_kpa;
         let is_near = |failed: f64| failed - suction < NEAR_FAILED * failed;
         self.seal.is_greatest |= self.seal.failed.is_some_and(is_near);
