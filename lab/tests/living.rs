@@ -1,4 +1,5 @@
 //! Random patients with all that living tissue and a soft implant have at once.
+#![allow(clippy::unwrap_used)] // helpers of tests are tests
 
 use implant_preview_core::measure::{Outcome, SolverMethod, Status};
 use implant_preview_core::scene::{Scene, SkinState};
