@@ -23,7 +23,7 @@ static ALONE: Mutex<()> = Mutex::new(());
 /// Greatest memory of a reader: a multiple of the file's length, and a rest \[bytes\].
 const MEMORY: (usize, usize) = (64, 100_000);
 
-/// The line of a rejected file, after the checks of line and memory.
+/// The line of a rejected file, after the checks of line and memory: of a damaged file where and what, behind which the line says what to do.
 fn line_of(bytes: &[u8], name: &str) -> String {
     let profiler = Profiler::builder().testing().build();
     let read = read(bytes, name);
@@ -36,7 +36,13 @@ fn line_of(bytes: &[u8], name: &str) -> String {
     );
     let line = read.unwrap_err().to_string();
     assert!(!check_surface(bytes, name));
-    line
+    match line.strip_prefix("the file is damaged: ") {
+        Some(fault) => {
+            let fault = fault.strip_suffix("; export the surface again, as PLY or STL");
+            format!("damaged: {}", fault.expect("the line says what to do"))
+        }
+        None => line,
+    }
 }
 
 const HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
@@ -69,146 +75,162 @@ fn damaged_text_is_rejected_in_one_line() {
         (
             "{ \"asset\": {} }".to_owned(),
             "a.gltf",
-            "glTF as text is not read; save it as GLB, in one file",
+            "glTF as text is not read; export it as GLB, in one file",
         ),
-        ("<html>".repeat(30), "a.stl", "byte 0: no STL file; an STL text begins with \"solid\""),
-        ("plywood".to_owned(), "a.ply", "byte 0: no PLY file; a PLY file begins with \"ply\""),
-        ("GLTF".to_owned(), "a.GLB", "byte 0: no GLB file; a GLB file begins with \"glTF\""),
-        ("text".to_owned(), "a.stl", "byte 4: the file ends in the header of an STL file"),
+        ("<html>".repeat(30), "a.stl", "damaged: an STL text begins with \"solid\""),
+        ("plywood".to_owned(), "a.ply", "damaged: a PLY file begins with \"ply\""),
+        ("GLTF".to_owned(), "a.GLB", "damaged: a GLB file begins with \"glTF\""),
+        ("text".to_owned(), "a.stl", "damaged: byte 4: it ends in the header of an STL file"),
         (
             "# nothing\ng a\n".to_owned(),
             "a.obj",
-            "the file has 0 vertices and no face; needed: a surface of triangles",
+            "the file has 0 points and no surface; export the surface as triangles, as PLY or STL",
         ),
         // Headers of PLY.
-        ("ply\n".to_owned(), "", "line 1: the file ends before \"end_header\""),
-        (ply("end_header\n", ""), "", "line 9: \"0\" is no word of a PLY header"),
-        (ply("format ascii 1.0\n", ""), "", "line 8: the header has no line \"format\""),
+        ("ply\n".to_owned(), "", "damaged: line 1: it ends before \"end_header\""),
+        (ply("end_header\n", ""), "", "damaged: line 9: \"0\" is no word of a PLY header"),
+        (ply("format ascii 1.0\n", ""), "", "damaged: line 8: the header has no line \"format\""),
         (
             ply("ascii", "binary"),
             "",
-            "line 2: format \"binary\"; allowed: ascii, binary_little_endian, binary_big_endian",
+            "damaged: line 2: format \"binary\"; allowed: ascii, binary_little_endian, binary_big_endian",
         ),
-        (ply("element vertex 3\n", ""), "", "line 3: a property before an element"),
-        (ply("vertex 3", "vertex many"), "", "line 3: an element without a number of rows"),
-        (ply("vertex 3", "vertex -3"), "", "line 3: an element without a number of rows"),
+        (ply("element vertex 3\n", ""), "", "damaged: line 3: a property before an element"),
+        (
+            ply("vertex 3", "vertex many"),
+            "",
+            "damaged: line 3: an element without a number of rows",
+        ),
+        (ply("vertex 3", "vertex -3"), "", "damaged: line 3: an element without a number of rows"),
         (
             ply("float x", "quaternion x"),
             "",
-            "line 4: \"quaternion\" is no type; allowed: char to uint, float, double",
+            "damaged: line 4: \"quaternion\" is no type; allowed: char to uint, float, double",
         ),
         (
             ply("list uchar int", "list uchar list"),
             "",
-            "line 8: a list of lists; allowed: a list of numbers",
+            "damaged: line 8: a list of lists; allowed: a list of numbers",
         ),
         (
             ply("property float z", "property float w"),
             "",
-            "the vertices have no property z; needed: x, y, z",
+            "damaged: the vertices have no z; needed: x, y, z",
         ),
-        (ply("vertex_indices", "corners"), "", "the faces have no list vertex_indices"),
+        (
+            ply("vertex_indices", "corners"),
+            "",
+            "damaged: the faces have no corners (vertex_indices)",
+        ),
         (
             ply("vertex 3", "vertex 4000000000"),
             "",
-            "the header has 4000000000 rows of \"vertex\", the file ends after 5 at most",
+            "damaged: of 4000000000 rows of \"vertex\" the file has 5 at most",
         ),
         (
             ply("face 1", "face 4000000000"),
             "",
-            "the header has 4000000000 rows of \"face\", the file ends after 5 at most",
+            "damaged: of 4000000000 rows of \"face\" the file has 5 at most",
         ),
         // A count of rows without content costs nothing.
         (
             ply("element face 1\n", "element nothing 4000000000\nelement face 1\n")
                 .replace("3 0 1 2", "3 0 1 9"),
             "",
-            "all 1 faces have vertices beyond the 3 of the file",
+            "damaged: all 1 faces have corners beyond its 3 points",
         ),
-        (ply("3 0 1 2\n", ""), "", "line 12, face 1 of 1: the file ends"),
+        (ply("3 0 1 2\n", ""), "", "damaged: line 12, face 1 of 1: it ends"),
         // Rows of PLY.
-        (ply("300 0 0", "300 0,5 0"), "", "line 11, vertex 2 of 3: \"0,5\" is no number"),
-        (ply("3 0 1 2", "3 0 1"), "", "line 13, face 1 of 1: the file ends"),
+        (ply("300 0 0", "300 0,5 0"), "", "damaged: line 11, vertex 2 of 3: \"0,5\" is no number"),
+        (ply("3 0 1 2", "3 0 1"), "", "damaged: line 13, face 1 of 1: it ends"),
         (
             ply("3 0 1 2", "4000000000 0 1 2"),
             "",
-            "line 13, face 1 of 1: a list of 4000000000 numbers; the rest of the file has up to 7",
+            "damaged: line 13, face 1 of 1: a list of 4000000000 numbers; the rest of the file has up to 7",
         ),
         (
             ply("3 0 1 2", "1e308 0 1 2"),
             "",
-            "line 13, face 1 of 1: a list of 1e308 numbers; the rest of the file has up to 7",
+            "damaged: line 13, face 1 of 1: a list of 1e308 numbers; the rest of the file has up to 7",
         ),
         (
             ply("3 0 1 2", "-3 0 1 2"),
             "",
-            "line 13, face 1 of 1: a list of -3 numbers; the rest of the file has up to 7",
+            "damaged: line 13, face 1 of 1: a list of -3 numbers; the rest of the file has up to 7",
         ),
         (
             ply("3 0 1 2", "2.5 0 1 2"),
             "",
-            "line 13, face 1 of 1: a list of 2.5 numbers; the rest of the file has up to 7",
+            "damaged: line 13, face 1 of 1: a list of 2.5 numbers; the rest of the file has up to 7",
         ),
         (
             ply("3 0 1 2", "nan 0 1 2"),
             "",
-            "line 13, face 1 of 1: a list of NaN numbers; the rest of the file has up to 7",
+            "damaged: line 13, face 1 of 1: a list of NaN numbers; the rest of the file has up to 7",
         ),
-        (ply("3 0 1 2", "3 0 0 2"), "", "none of the 1 faces is a triangle with an area"),
+        (ply("3 0 1 2", "3 0 0 2"), "", "damaged: none of its 1 faces is a triangle with an area"),
         (
             ply("3 0 1 2", &format!("30000 {many}")),
             "",
-            "none of the 1 faces is a triangle with an area",
+            "damaged: none of its 1 faces is a triangle with an area",
         )
             .to_owned(),
-        (ply("0 300 9", "nan 300 9"), "", "none of the 1 faces is a triangle with an area"),
+        (
+            ply("0 300 9", "nan 300 9"),
+            "",
+            "damaged: none of its 1 faces is a triangle with an area",
+        ),
         (
             ply("face 1", "face 0"),
             "",
-            "the file has 3 vertices and no face; needed: a surface of triangles",
+            "the file has 3 points and no surface; export the surface as triangles, as PLY or STL",
         ),
         // STL as text.
-        (stl("endsolid a\n", ""), "", "line 8: the file ends before \"endsolid\""),
-        (stl("vertex 300 0 0\n", ""), "", "line 6: a facet of 2 vertices; allowed: 3"),
-        (stl("vertex 300 0 0", "vertex 300 0"), "", "line 5: a vertex without three numbers"),
-        (stl("vertex 300", "vertex x300"), "", "line 5: a vertex without three numbers"),
+        (stl("endsolid a\n", ""), "", "damaged: line 8: it ends before \"endsolid\""),
+        (stl("vertex 300 0 0\n", ""), "", "damaged: line 6: a facet of 2 vertices; allowed: 3"),
+        (
+            stl("vertex 300 0 0", "vertex 300 0"),
+            "",
+            "damaged: line 5: a vertex without three numbers",
+        ),
+        (stl("vertex 300", "vertex x300"), "", "damaged: line 5: a vertex without three numbers"),
         (
             stl("outer loop", "outside loop\u{7}"),
             "",
-            "line 3: \"outside\" is no word of an STL file, as facet or vertex",
+            "damaged: line 3: \"outside\" is no word of an STL file, as facet or vertex",
         ),
         (
             "solid a\nendsolid a\n".to_owned(),
             "",
-            "the file has 0 vertices and no face; needed: a surface of triangles",
+            "the file has 0 points and no surface; export the surface as triangles, as PLY or STL",
         ),
         // OBJ.
         (
             "v 0 0 0\nv 1 0\n".to_owned(),
             "",
-            "line 2: a vertex of 2 numbers; allowed: 3, or 6 with a colour",
+            "damaged: line 2: a vertex of 2 numbers; allowed: 3, or 6 with a colour",
         ),
-        ("v 0 0 0\nv 1 0 zero\n".to_owned(), "", "line 2: \"zero\" is no number"),
+        ("v 0 0 0\nv 1 0 zero\n".to_owned(), "", "damaged: line 2: \"zero\" is no number"),
         (
             "v 0 0 0\nf 1 1 x/1\n".to_owned(),
             "",
-            "line 2: \"x/1\" is no vertex; allowed: a whole number from 1, or from the end below 0",
+            "damaged: line 2: \"x/1\" is no vertex; allowed: a whole number from 1, or from the end below 0",
         ),
         (
             "v 0 0 0\nf 1 1 0\n".to_owned(),
             "",
-            "line 2: \"0\" is no vertex; allowed: a whole number from 1, or from the end below 0",
+            "damaged: line 2: \"0\" is no vertex; allowed: a whole number from 1, or from the end below 0",
         ),
         (
             "v 0 0 0\nf 1 2 3\nf -1 -2 -9223372036854775808\n".to_owned(),
             "",
-            "all 2 faces have vertices beyond the 1 of the file",
+            "damaged: all 2 faces have corners beyond its 1 points",
         ),
-        ("f 1 2 3\n".to_owned(), "a.obj", "all 1 faces have vertices beyond the 0 of the file"),
+        ("f 1 2 3\n".to_owned(), "a.obj", "damaged: all 1 faces have corners beyond its 0 points"),
         (
             "v 0 0 0\nf 1 1 99999999999999999999\n".to_owned(),
             "",
-            "line 2: \"99999999999999999999\" is no vertex; allowed: a whole number from 1, or from the end below 0",
+            "damaged: line 2: \"99999999999999999999\" is no vertex; allowed: a whole number from 1, or from the end below 0",
         ),
     ];
     assert!(cases.len() >= 40);
@@ -229,15 +251,12 @@ fn damaged_binaries_are_rejected_in_one_line() {
     };
     let faces = start + 8 * 15;
     let cut = [&ply[..start], b"12.5 7.0 nothing"].concat();
-    assert_eq!(
-        line_of(&cut, ""),
-        "the header has 8 rows of \"vertex\", the file ends after 1 at most"
-    );
+    assert_eq!(line_of(&cut, ""), "damaged: of 8 rows of \"vertex\" the file has 1 at most");
     let line = line_of(&ply[..ply.len() - 1], "");
     assert_eq!(
         line,
         format!(
-            "byte {}, face 12 of 12: a list of 3 numbers; the rest of the file has up to 2",
+            "damaged: byte {}, face 12 of 12: a list of 3 numbers; the rest of the file has up to 2",
             ply.len() - 12
         )
     );
@@ -245,19 +264,22 @@ fn damaged_binaries_are_rejected_in_one_line() {
     assert_eq!(
         line,
         format!(
-            "byte {}, face 1 of 12: a list of 255 numbers; the rest of the file has up to 38",
+            "damaged: byte {}, face 1 of 12: a list of 255 numbers; the rest of the file has up to 38",
             faces + 1
         )
     );
     let stl = write(&cube(), Unit::Mm, Format::Stl);
-    assert_eq!(line_of(&stl[..84], "a.stl"), "byte 84: the file ends after 0 of 12 triangles");
+    assert_eq!(line_of(&stl[..84], "a.stl"), "damaged: byte 84: it ends after 0 of 12 triangles");
     let mut counted = stl.clone();
     counted[80..84].copy_from_slice(&4_000_000_000_u32.to_le_bytes());
     let line = line_of(&counted, "a.stl");
-    assert_eq!(line, format!("byte {}: the file ends after 12 of 4000000000 triangles", stl.len()));
+    assert_eq!(
+        line,
+        format!("damaged: byte {}: it ends after 12 of 4000000000 triangles", stl.len())
+    );
     let mut nan = stl;
     nan[84..].chunks_exact_mut(50).for_each(|t| t[12..16].copy_from_slice(&f32::NAN.to_le_bytes()));
-    assert_eq!(line_of(&nan, ""), "none of the 12 faces is a triangle with an area");
+    assert_eq!(line_of(&nan, ""), "damaged: none of its 12 faces is a triangle with an area");
 }
 
 #[test]
@@ -273,17 +295,17 @@ fn damaged_glb_is_rejected_in_one_line() {
     };
     let data = length - 76 - 8;
     for (bytes, expected) in [
-        (whole[..8].to_vec(), "byte 8: the file ends in a header of GLB".to_owned()),
-        (with(4, &[1]), "byte 4: version 1 of glTF; allowed: 2".to_owned()),
+        (whole[..8].to_vec(), "damaged: byte 8: it ends in a header of GLB".to_owned()),
+        (with(4, &[1]), "the file is glTF 1; allowed: glTF 2, as GLB, or PLY or STL".to_owned()),
         (
             whole[..length - 9].to_vec(),
-            format!("the file ends after {} of {length} bytes", length - 9),
+            format!("damaged: it ends after {} of {length} bytes", length - 9),
         ),
-        (with(8, &[255; 4]), format!("the file ends after {length} of 4294967295 bytes")),
-        (with(12, &[255; 4]), "byte 12: no whole chunk \"JSON\" of GLB".to_owned()),
-        (with(16, b"TEXT"), "byte 12: no whole chunk \"JSON\" of GLB".to_owned()),
-        (with(data, &[255; 4]), format!("byte {data}: no whole chunk \"BIN\\x00\" of GLB")),
-        (with(40, b"\""), "chunk \"JSON\", line 1 column 22: no JSON".to_owned()),
+        (with(8, &[255; 4]), format!("damaged: it ends after {length} of 4294967295 bytes")),
+        (with(12, &[255; 4]), "damaged: byte 12: no whole part \"JSON\"".to_owned()),
+        (with(16, b"TEXT"), "damaged: byte 12: no whole part \"JSON\"".to_owned()),
+        (with(data, &[255; 4]), format!("damaged: byte {data}: no whole part \"BIN\\x00\"")),
+        (with(40, b"\""), "damaged: line 1, column 22 of its description (JSON)".to_owned()),
     ] {
         assert_eq!(line_of(&bytes, ""), expected);
     }
@@ -291,73 +313,93 @@ fn damaged_glb_is_rejected_in_one_line() {
         (
             "/accessors/0/count",
             json!(4_000_000_000_u64),
-            "accessors[0]: needs 48000000000 bytes, its bufferView has 48",
+            "damaged: its list of numbers 0 (accessors) needs 48000000000 bytes, there are 48",
         ),
-        ("/accessors/0/count", json!(u64::MAX), "accessors[0]: its data end beyond the file"),
-        ("/accessors/0/count", json!(-4), "accessors[0]: no count"),
+        (
+            "/accessors/0/count",
+            json!(u64::MAX),
+            "damaged: its list of numbers 0 (accessors) ends beyond the file",
+        ),
+        (
+            "/accessors/0/count",
+            json!(-4),
+            "damaged: its list of numbers 0 (accessors) has no length (count)",
+        ),
         (
             "/accessors/0/type",
             json!("VEC2"),
-            "accessors[0]: an entry has not the right number of numbers",
+            "damaged: its list of numbers 0 (accessors) has not three numbers for each place",
         ),
-        ("/accessors/1/componentType", json!(5124), "accessors[1]: no componentType of glTF"),
+        (
+            "/accessors/1/componentType",
+            json!(5124),
+            "damaged: its list of numbers 1 (accessors) has numbers of an unknown kind (componentType)",
+        ),
         (
             "/accessors/1/sparse",
             json!({ "count": 1 }),
-            "accessors[1]: sparse; allowed: whole accessors",
+            "the surface is stored with gaps (sparse); export it as PLY or STL",
         ),
-        ("/accessors/1/bufferView", json!(null), "accessors[1]: no bufferView"),
         (
             "/accessors/1/bufferView",
-            json!(7),
-            "bufferViews[7] is missing; the file has 3 bufferViews",
+            json!(null),
+            "damaged: its list of numbers 1 (accessors) has no place in the file (bufferView)",
         ),
+        ("/accessors/1/bufferView", json!(7), "damaged: number 7 of 3 bufferViews is missing"),
         (
             "/accessors/1/byteOffset",
             json!(8),
-            "accessors[1]: needs 20 bytes, its bufferView has 12",
+            "damaged: its list of numbers 1 (accessors) needs 20 bytes, there are 12",
         ),
         (
             "/bufferViews/0/byteStride",
             json!(u64::MAX),
-            "accessors[0]: its data end beyond the file",
+            "damaged: its list of numbers 0 (accessors) ends beyond the file",
         ),
-        ("/bufferViews/0/byteOffset", json!(70), "accessors[0]: its data end beyond the file"),
+        (
+            "/bufferViews/0/byteOffset",
+            json!(70),
+            "damaged: its list of numbers 0 (accessors) ends beyond the file",
+        ),
         (
             "/bufferViews/0/byteOffset",
             json!(u64::MAX),
-            "accessors[0]: its data end beyond the file",
+            "damaged: its list of numbers 0 (accessors) ends beyond the file",
         ),
         (
             "/buffers/0/uri",
             json!("mesh.bin"),
-            "accessors[0]: its data are in another file; allowed: one GLB file",
+            "the surface is in a second file; export it in one file, as PLY or STL",
         ),
         (
             "/meshes/0/primitives/0/attributes/POSITION",
             json!(3),
-            "accessors[3] is missing; the file has 3 accessors",
+            "damaged: number 3 of 3 accessors is missing",
         ),
-        ("/nodes/0/mesh", json!(1), "meshes[1] is missing; the file has 1 meshes"),
-        ("/nodes/0/rotation", json!([0, 0, 0, 0]), "nodes[0]: no transformation of finite numbers"),
-        ("/nodes/0/scale", json!([1, 2]), "nodes[0]: no transformation of finite numbers"),
-        ("/nodes/0/children", json!([1]), "nodes[1] stands in the scene twice; allowed: a tree"),
-        ("/nodes/1/children", json!([0, 0]), "nodes[0] stands in the scene twice; allowed: a tree"),
-        ("/nodes/1/children", json!([9]), "nodes[9] is missing; the file has 2 nodes"),
+        ("/nodes/0/mesh", json!(1), "damaged: number 1 of 1 meshes is missing"),
+        (
+            "/nodes/0/rotation",
+            json!([0, 0, 0, 0]),
+            "damaged: the place of part 0 (nodes) is not finite",
+        ),
+        ("/nodes/0/scale", json!([1, 2]), "damaged: the place of part 0 (nodes) is not finite"),
+        ("/nodes/0/children", json!([1]), "damaged: part 1 (nodes) stands in itself or twice"),
+        ("/nodes/1/children", json!([0, 0]), "damaged: part 0 (nodes) stands in itself or twice"),
+        ("/nodes/1/children", json!([9]), "damaged: number 9 of 2 nodes is missing"),
         (
             "/scenes/0/nodes",
             json!([]),
-            "the file has 0 vertices and no face; needed: a surface of triangles",
+            "the file has 0 points and no surface; export the surface as triangles, as PLY or STL",
         ),
         (
             "/meshes/0/primitives/0/mode",
             json!(1),
-            "the file has 0 vertices and no face; needed: a surface of triangles",
+            "the file has 0 points and no surface; export the surface as triangles, as PLY or STL",
         ),
         (
             "/extensionsRequired",
             json!(["KHR_draco_mesh_compression"]),
-            "the meshes are compressed (KHR_draco_mesh_compression); save the file without",
+            "the surface is compressed (KHR_draco_mesh_compression); export it without compression, as PLY or STL",
         ),
     ];
     for (path, value, expected) in cases {
@@ -370,11 +412,11 @@ fn damaged_glb_is_rejected_in_one_line() {
     let long = glb(&json!({ "a": vec![0; 500_000] }), &[]);
     assert_eq!(
         line_of(&long, ""),
-        "the file has 0 vertices and no face; needed: a surface of triangles"
+        "the file has 0 points and no surface; export the surface as triangles, as PLY or STL"
     );
     let mut deep = glb(&json!("x".repeat(10_000)), &[]);
     deep[20..10_020].fill(b'[');
-    assert_eq!(line_of(&deep, ""), "chunk \"JSON\", line 1 column 128: no JSON");
+    assert_eq!(line_of(&deep, ""), "damaged: line 1, column 128 of its description (JSON)");
 }
 
 #[test]
@@ -389,11 +431,17 @@ fn files_beyond_the_limits_are_rejected() {
     let mut bytes = ply.as_bytes().to_vec();
     bytes.extend([0, 0, 0]);
     bytes.extend([3, 0, 0, 0].repeat(2_000_001));
-    assert_eq!(line_of(&bytes, ""), "more than 2 million triangles; allowed: up to 2 million");
+    assert_eq!(
+        line_of(&bytes, ""),
+        "the surface has more than 2 million triangles; export it with fewer"
+    );
     let ply = ply.replace("vertex 1\n", "vertex 6000001\n").replace("face 2000001", "face 0");
     let mut bytes = ply.into_bytes();
     bytes.extend([0, 0, 0].repeat(6_000_001));
-    assert_eq!(line_of(&bytes, ""), "more than 6 million vertices; allowed: up to 6 million");
+    assert_eq!(
+        line_of(&bytes, ""),
+        "the surface has more than 6 million points; export it with fewer"
+    );
     // Meshes that many nodes have in common.
     let mut json = phone_json();
     json["nodes"] = (0..300).map(|_| json!({ "mesh": 0 })).collect();
@@ -402,7 +450,7 @@ fn files_beyond_the_limits_are_rejected() {
     json["accessors"][0]["count"] = json!(30_000);
     json["bufferViews"][0]["byteLength"] = json!(360_000);
     let line = line_of(&glb(&json, &vec![0; 360_000]), "");
-    assert_eq!(line, "meshes[0] stands in the scene too often; allowed: once");
+    assert_eq!(line, "damaged: surface 0 (meshes) stands in it too often");
 }
 
 /// Whole files of all formats, small.

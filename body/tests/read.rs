@@ -145,9 +145,11 @@ fn stl_is_read_as_text_and_as_binary_that_begins_with_solid() {
     let longer = [bytes.as_slice(), b"tail"].concat();
     assert_eq!(read(&longer, "cube.stl").unwrap().surface.triangles.len(), 12);
     let line = line_of(&bytes[..600], "cube.stl");
-    assert_eq!(line, "byte 600: the file ends after 10 of 12 triangles");
+    let fault = "byte 600: it ends after 10 of 12 triangles";
+    let remedy = "export the surface again, as PLY or STL";
+    assert_eq!(line, format!("the file is damaged: {fault}; {remedy}"));
     let line = line_of(&text.as_bytes()[..600], "cube.stl");
-    assert!(line.starts_with("line "), "{line}");
+    assert!(line.starts_with("the file is damaged: line "), "{line}");
 }
 
 #[test]
@@ -166,7 +168,8 @@ fn obj_has_groups_polygons_textures_negative_indices_continued_lines_and_colours
     let bytes = text.replace("v 0 0 0 1 0 0", "v 0 0 0 200 10 0");
     assert_eq!(of(&bytes).surface.colors.unwrap()[0], [200, 10, 0]);
     let line = line_of(text.replace("f 2//1", "f 0//1").as_bytes(), "");
-    assert!(line.starts_with("line 15: \"0//1\" is no vertex; allowed: "), "{line}");
+    let start = "the file is damaged: line 15: \"0//1\" is no vertex; allowed: ";
+    assert!(line.starts_with(start), "{line}");
 }
 
 #[test]

@@ -103,13 +103,16 @@ pub(super) fn clean(mut raw: Raw, format: Format) -> Result<Read, Error> {
 
 fn no_triangles(raw: &Raw, cleaned: &Cleaned) -> Error {
     let (vertices, faces) = (raw.positions.len(), raw.sizes.len());
-    Error(if faces == 0 {
-        format!("the file has {vertices} vertices and no face; needed: a surface of triangles")
+    if faces == 0 {
+        let line = format!(
+            "the file has {vertices} points and no surface; export the surface as triangles, as PLY or STL"
+        );
+        Error(line)
     } else if cleaned.bad_faces == faces {
-        format!("all {faces} faces have vertices beyond the {vertices} of the file")
+        Error::damaged(format_args!("all {faces} faces have corners beyond its {vertices} points"))
     } else {
-        format!("none of the {faces} faces is a triangle with an area")
-    })
+        Error::damaged(format_args!("none of its {faces} faces is a triangle with an area"))
+    }
 }
 
 /// Drops vertices that are not finite and merges the corners of a soup; returns the new index of each vertex.

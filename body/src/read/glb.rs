@@ -18,7 +18,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
     let text = text.trim_ascii_end();
     let text = &text[..text.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1)];
     let json = serde_json::from_slice(text).map_err(|error| {
-        Error(format!("chunk \"JSON\", line {} column {}: no JSON", error.line(), error.column()))
+        let (line, column) = (error.line(), error.column());
+        Error::damaged(format_args!("line {line}, column {column} of its description (JSON)"))
     })?;
     let file = File { json, data };
     file.check_extensions()?;
@@ -29,13 +30,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
     while let Some((index, parent)) = open.pop() {
         let node = file.item("nodes", index)?;
         if std::mem::replace(&mut is_seen[index], true) {
-            return Err(Error(format!(
-                "nodes[{index}] stands in the scene twice; allowed: a tree"
+            return Err(Error::damaged(format_args!(
+                "part {index} (nodes) stands in itself or twice"
             )));
         }
         let own = parent
             * matrix(node).ok_or_else(|| {
-                Error(format!("nodes[{index}]: no transformation of finite numbers"))
+                Error::damaged(format_args!("the place of part {index} (nodes) is not finite"))
             })?;
         if let Some(mesh) = whole(member(node, "mesh")) {
             // The node of a mesh with a skeleton does not move it.
@@ -52,22 +53,25 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
 fn chunks(bytes: &[u8]) -> Result<(&[u8], &[u8]), Error> {
     let word = |at: usize| {
         let word = bytes.get(at..at + 4).and_then(|word| word.try_into().ok());
-        let ends = || Error(format!("byte {}: the file ends in a header of GLB", bytes.len()));
+        let ends =
+            || Error::damaged(format_args!("byte {}: it ends in a header of GLB", bytes.len()));
         word.map(u32::from_le_bytes).ok_or_else(ends)
     };
     let (version, length) = (word(4)?, word(8)? as usize);
     if version != 2 {
-        return Err(Error(format!("byte 4: version {version} of glTF; allowed: 2")));
+        let line = format!("the file is glTF {version}; allowed: glTF 2, as GLB, or PLY or STL");
+        return Err(Error(line));
     }
     if length > bytes.len() {
-        return Err(Error(format!("the file ends after {} of {length} bytes", bytes.len())));
+        let here = bytes.len();
+        return Err(Error::damaged(format_args!("it ends after {here} of {length} bytes")));
     }
     let chunk = |at: usize, kind: &[u8; 4]| {
         let end = (at + 8).saturating_add(word(at)? as usize);
         let is_kind = bytes.get(at + 4..at + 8) == Some(kind);
         let content = bytes.get(at + 8..end).filter(|_| is_kind);
         let name = kind.escape_ascii();
-        content.ok_or_else(|| Error(format!("byte {at}: no whole chunk \"{name}\" of GLB")))
+        content.ok_or_else(|| Error::damaged(format_args!("byte {at}: no whole part \"{name}\"")))
     };
     let text = chunk(12, b"JSON")?;
     let second = 20 + text.len();
@@ -178,7 +182,8 @@ impl File<'_> {
     fn item(&self, name: &str, index: usize) -> Result<&Value, Error> {
         let list = self.list(name);
         list.get(index).ok_or_else(|| {
-            Error(format!("{name}[{index}] is missing; the file has {} {name}", list.len()))
+            let count = list.len();
+            Error::damaged(format_args!("number {index} of {count} {name} is missing"))
         })
     }
 
@@ -187,9 +192,10 @@ impl File<'_> {
         let needed = self.list("extensionsRequired").iter().filter_map(Value::as_str);
         for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression"] {
             if needed.clone().any(|needed| needed == name) {
-                return Err(Error(format!(
-                    "the meshes are compressed ({name}); save the file without"
-                )));
+                let line = format!(
+                    "the surface is compressed ({name}); export it without compression, as PLY or STL"
+                );
+                return Err(Error(line));
             }
         }
         Ok(())
@@ -258,8 +264,8 @@ impl File<'_> {
             }
             // A vertex has 3 bytes at least, a triangle of a strip one: memory stays a multiple of the file.
             if raw.positions.len() > self.data.len() / 3 || raw.sizes.len() > self.data.len() {
-                let line = format!("meshes[{mesh}] stands in the scene too often; allowed: once");
-                return Err(Error(line));
+                let line = format_args!("surface {mesh} (meshes) stands in it too often");
+                return Err(Error::damaged(line));
             }
         }
         Ok(())
@@ -293,25 +299,33 @@ impl File<'_> {
         widths: std::ops::RangeInclusive<usize>,
     ) -> Result<Accessor<'_>, Error> {
         let accessor = self.item("accessors", index)?;
-        let fault = |what: &str| Error(format!("accessors[{index}]: {what}"));
+        let fault = |what: &str| {
+            Error::damaged(format_args!("its list of numbers {index} (accessors) {what}"))
+        };
         let names = ["SCALAR", "VEC2", "VEC3", "VEC4"];
         let width = names.iter().position(|name| member(accessor, "type") == *name).map(|k| k + 1);
         let width = width.filter(|width| widths.contains(width));
-        let width = width.ok_or_else(|| fault("an entry has not the right number of numbers"))?;
+        let width = width.ok_or_else(|| fault("has not three numbers for each place"))?;
         let kind = member(accessor, "componentType").as_u64().unwrap_or_default();
-        let (size, most) =
-            Accessor::of_kind(kind).ok_or_else(|| fault("no componentType of glTF"))?;
-        let count = whole(member(accessor, "count")).ok_or_else(|| fault("no count"))?;
+        let (size, most) = Accessor::of_kind(kind)
+            .ok_or_else(|| fault("has numbers of an unknown kind (componentType)"))?;
+        let count =
+            whole(member(accessor, "count")).ok_or_else(|| fault("has no length (count)"))?;
         if !member(accessor, "sparse").is_null() {
-            return Err(fault("sparse; allowed: whole accessors"));
+            return Err(Error(
+                "the surface is stored with gaps (sparse); export it as PLY or STL".to_owned(),
+            ));
         }
-        let view = whole(member(accessor, "bufferView")).ok_or_else(|| fault("no bufferView"))?;
+        let view = whole(member(accessor, "bufferView"))
+            .ok_or_else(|| fault("has no place in the file (bufferView)"))?;
         let view = self.item("bufferViews", view)?;
         let buffer = whole(member(view, "buffer")).unwrap_or(0);
         let is_elsewhere =
             self.list("buffers").first().is_some_and(|own| member(own, "uri").is_string());
         if buffer != 0 || is_elsewhere {
-            return Err(fault("its data are in another file; allowed: one GLB file"));
+            return Err(Error(
+                "the surface is in a second file; export it in one file, as PLY or STL".to_owned(),
+            ));
         }
         let part = |value: &Value, name: &str| member(value, name).as_u64().unwrap_or(0);
         let (start, length) = (part(view, "byteOffset"), part(view, "byteLength"));
@@ -326,10 +340,10 @@ impl File<'_> {
             needed.and_then(|way| way.checked_add((size * width) as u64)?.checked_add(own));
         let end = start.checked_add(length).filter(|end| *end <= self.data.len() as u64);
         let (Some(needed), Some(end)) = (needed, end) else {
-            return Err(fault("its data end beyond the file"));
+            return Err(fault("ends beyond the file"));
         };
         if needed > length {
-            return Err(fault(&format!("needs {needed} bytes, its bufferView has {length}")));
+            return Err(fault(&format!("needs {needed} bytes, there are {length}")));
         }
         let bytes = &self.data[(start + own) as usize..end as usize];
         let is_fraction = kind != 5126 && *member(accessor, "normalized") == true;

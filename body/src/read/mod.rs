@@ -26,6 +26,13 @@ const MAX_VERTICES: usize = 3 * MAX_TRIANGLES;
 #[error("{0}")]
 pub struct Error(String);
 
+impl Error {
+    /// A damaged file: where and what, and what a user can do.
+    fn damaged(fault: impl std::fmt::Display) -> Self {
+        Self(format!("the file is damaged: {fault}; export the surface again, as PLY or STL"))
+    }
+}
+
 /// Unit of the lengths of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
@@ -134,7 +141,7 @@ fn format_of(bytes: &[u8], name: &str) -> Result<Format, Error> {
         Some(Format::Glb) if by_content.is_none() => Err(begins("GLB", "glTF")),
         Some(format) => Ok(format),
         None if bytes.trim_ascii_start().starts_with(b"{") => {
-            Err(Error("glTF as text is not read; save it as GLB, in one file".to_owned()))
+            Err(Error("glTF as text is not read; export it as GLB, in one file".to_owned()))
         }
         None if bytes.starts_with(b"PK") => {
             Err(Error("the file is an archive (ZIP); unpack the surface in it".to_owned()))
@@ -147,5 +154,5 @@ fn format_of(bytes: &[u8], name: &str) -> Result<Format, Error> {
 }
 
 fn begins(format: &str, sign: &str) -> Error {
-    Error(format!("byte 0: no {format} file; a {format} file begins with \"{sign}\""))
+    Error::damaged(format_args!("a {format} file begins with \"{sign}\""))
 }

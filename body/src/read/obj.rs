@@ -19,9 +19,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
     let mut lines = Lines::new(bytes);
     let mut joined = Vec::new();
     while let Some(line) = lines.next() {
-        let number = lines.number;
-        let read = match line.trim_ascii_end().strip_suffix(b"\\") {
-            None => file.line(line),
+        file.line = lines.number;
+        match line.trim_ascii_end().strip_suffix(b"\\") {
+            None => file.read(line),
             Some(start) => {
                 joined.clear();
                 joined.extend_from_slice(start);
@@ -34,10 +34,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
                         break;
                     }
                 }
-                file.line(&joined)
+                file.read(&joined)
             }
-        };
-        read.map_err(|Error(what)| Error(format!("line {number}: {what}")))?;
+        }?;
     }
     // Colours are fractions or bytes.
     let most = file.colors.iter().flatten().fold(0.0, |most: f32, value| most.max(*value));
@@ -53,10 +52,16 @@ struct File {
     colors: Vec<[f32; 3]>,
     /// The corners of a face.
     corners: Vec<u32>,
+    /// Number of the present line.
+    line: usize,
 }
 
 impl File {
-    fn line(&mut self, line: &[u8]) -> Result<(), Error> {
+    fn fault(&self, what: std::fmt::Arguments<'_>) -> Error {
+        Error::damaged(format_args!("line {}: {what}", self.line))
+    }
+
+    fn read(&mut self, line: &[u8]) -> Result<(), Error> {
         let mut words = words(line);
         match words.next() {
             Some(b"v") => self.vertex(words),
@@ -69,14 +74,13 @@ impl File {
     fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<(), Error> {
         let (mut values, mut count) = ([0.0; 6], 0);
         for word in words.take(6) {
-            values[count] =
-                number(word).ok_or_else(|| Error(format!("\"{}\" is no number", shown(word))))?;
+            values[count] = number(word)
+                .ok_or_else(|| self.fault(format_args!("\"{}\" is no number", shown(word))))?;
             count += 1;
         }
         if count < 3 {
-            return Err(Error(format!(
-                "a vertex of {count} numbers; allowed: 3, or 6 with a colour"
-            )));
+            let what = format_args!("a vertex of {count} numbers; allowed: 3, or 6 with a colour");
+            return Err(self.fault(what));
         }
         let [x, y, z, r, g, b] = values;
         if count == 6 {
@@ -100,7 +104,9 @@ impl File {
                 Some(0) | None => {
                     let word = shown(word);
                     let allowed = "a whole number from 1, or from the end below 0";
-                    return Err(Error(format!("\"{word}\" is no vertex; allowed: {allowed}")));
+                    return Err(
+                        self.fault(format_args!("\"{word}\" is no vertex; allowed: {allowed}"))
+                    );
                 }
             };
             self.corners.push(corner);

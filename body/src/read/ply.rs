@@ -75,7 +75,7 @@ struct Element<'a> {
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
     let mut lines = Lines::new(bytes);
     let (form, elements) = header(&mut lines)
-        .map_err(|what| Error(format!("line {}: {what}", lines.number.max(1))))?;
+        .map_err(|what| Error::damaged(format_args!("line {}: {what}", lines.number.max(1))))?;
     let mut data = Data { bytes, at: lines.at.min(bytes.len()), line: lines.number + 1, form };
     let mut raw = Raw::default();
     for element in elements.iter().filter(|element| !element.properties.is_empty()) {
@@ -136,7 +136,7 @@ fn header<'a>(lines: &mut Lines<'a>) -> Result<(Form, Vec<Element<'a>>), String>
             word => return Err(format!("\"{}\" is no word of a PLY header", shown(word))),
         }
     }
-    Err("the file ends before \"end_header\"".to_owned())
+    Err("it ends before \"end_header\"".to_owned())
 }
 
 fn format(word: &[u8]) -> Result<Form, String> {
@@ -167,7 +167,7 @@ fn vertices(element: &Element, data: &mut Data, raw: &mut Raw) -> Result<(), Err
     let places: Vec<Option<usize>> = element.properties.iter().map(place).collect();
     if let Some(k) = (0..3).find(|k| !places.contains(&Some(*k))) {
         let name = shown(names[k][0]);
-        return Err(Error(format!("the vertices have no property {name}; needed: x, y, z")));
+        return Err(Error::damaged(format_args!("the vertices have no {name}; needed: x, y, z")));
     }
     let has_colors = (3..6).all(|k| places.contains(&Some(k)));
     let expected = usize::try_from(element.count).unwrap_or(usize::MAX).min(MAX_VERTICES);
@@ -198,7 +198,7 @@ fn faces(element: &Element, data: &mut Data, raw: &mut Raw) -> Result<(), Error>
         property.length.is_some() && matches!(property.name, b"vertex_indices" | b"vertex_index")
     };
     if !element.properties.iter().any(is_corners) {
-        return Err(Error("the faces have no list vertex_indices".to_owned()));
+        return Err(Error::damaged("the faces have no corners (vertex_indices)"));
     }
     let mut corners = Vec::new();
     for row in 0..element.count {
@@ -231,7 +231,7 @@ impl Data<'_> {
             _ => format!("byte {}", self.at),
         };
         let (name, count) = (shown(element.name), element.count);
-        Error(format!("{place}, {name} {} of {count}: {what}", row + 1))
+        Error::damaged(format_args!("{place}, {name} {} of {count}: {what}", row + 1))
     }
 
     /// Checks that the rows of an element fit into the rest of the file.
@@ -245,8 +245,8 @@ impl Data<'_> {
         let rest = (self.bytes.len() - self.at) as u64 + u64::from(self.form == Form::Ascii);
         if element.count > rest / row {
             let (name, count) = (shown(element.name), element.count);
-            return Err(Error(format!(
-                "the header has {count} rows of \"{name}\", the file ends after {} at most",
+            return Err(Error::damaged(format_args!(
+                "of {count} rows of \"{name}\" the file has {} at most",
                 rest / row
             )));
         }
@@ -255,11 +255,11 @@ impl Data<'_> {
 
     fn value(&mut self, kind: Kind) -> Result<f64, String> {
         if self.form == Form::Ascii {
-            let word = self.word().ok_or("the file ends")?;
+            let word = self.word().ok_or("it ends")?;
             return number(word).ok_or_else(|| format!("\"{}\" is no number", shown(word)));
         }
         let size = kind.bytes();
-        let own = self.bytes.get(self.at..self.at + size).ok_or("the file ends")?;
+        let own = self.bytes.get(self.at..self.at + size).ok_or("it ends")?;
         self.at += size;
         let shifted = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
         let word = match self.form {
@@ -322,10 +322,9 @@ impl Data<'_> {
         };
         if self.form != Form::Ascii {
             let end = self.at + count * property.kind.bytes();
-            self.at = Some(end).filter(|end| *end <= self.bytes.len()).ok_or("the file ends")?;
+            self.at = Some(end).filter(|end| *end <= self.bytes.len()).ok_or("it ends")?;
             return Ok(());
         }
-        (0..count)
-            .try_for_each(|_| self.word().map(|_| ()).ok_or_else(|| "the file ends".to_owned()))
+        (0..count).try_for_each(|_| self.word().map(|_| ()).ok_or_else(|| "it ends".to_owned()))
     }
 }

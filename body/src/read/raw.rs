@@ -31,7 +31,7 @@ impl Raw {
         self.triangles += corners.len().saturating_sub(2);
         if self.triangles > MAX_TRIANGLES {
             return Err(Error(
-                "more than 2 million triangles; allowed: up to 2 million".to_owned(),
+                "the surface has more than 2 million triangles; export it with fewer".to_owned(),
             ));
         }
         self.corners.extend(corners);
@@ -42,7 +42,9 @@ impl Raw {
     /// Adds a vertex.
     pub(super) fn vertex(&mut self, position: DVec3) -> Result<(), Error> {
         if self.positions.len() == MAX_VERTICES {
-            return Err(Error("more than 6 million vertices; allowed: up to 6 million".to_owned()));
+            return Err(Error(
+                "the surface has more than 6 million points; export it with fewer".to_owned(),
+            ));
         }
         self.positions.push(position);
         Ok(())

@@ -44,8 +44,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, Error> {
 
 fn read_binary(bytes: &[u8], raw: &mut Raw) -> Result<(), Error> {
     let Some(count) = count(bytes) else {
-        return Err(Error(format!(
-            "byte {}: the file ends in the header of an STL file",
+        return Err(Error::damaged(format_args!(
+            "byte {}: it ends in the header of an STL file",
             bytes.len()
         )));
     };
@@ -53,16 +53,18 @@ fn read_binary(bytes: &[u8], raw: &mut Raw) -> Result<(), Error> {
     let is_text =
         bytes[..HEADER].iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace());
     if count > found && is_text {
-        return Err(Error("byte 0: no STL file; an STL text begins with \"solid\"".to_owned()));
+        return Err(Error::damaged("an STL text begins with \"solid\""));
     }
     if count > found {
-        return Err(Error(format!(
-            "byte {}: the file ends after {found} of {count} triangles",
+        return Err(Error::damaged(format_args!(
+            "byte {}: it ends after {found} of {count} triangles",
             bytes.len()
         )));
     }
     if count > MAX_TRIANGLES {
-        return Err(Error(format!("{count} triangles; allowed: up to 2 million")));
+        return Err(Error(format!(
+            "the surface has {count} triangles; allowed: up to 2 million; export it with fewer"
+        )));
     }
     raw.positions.reserve_exact(3 * count);
     for triangle in bytes[HEADER..].chunks_exact(TRIANGLE).take(count) {
@@ -89,7 +91,7 @@ fn read_text(bytes: &[u8], raw: &mut Raw) -> Result<(), Error> {
     while let Some(line) = lines.next() {
         let mut words = words(line);
         let Some(word) = words.next() else { continue };
-        let fault = |what: String| Error(format!("line {}: {what}", lines.number));
+        let fault = |what: String| Error::damaged(format_args!("line {}: {what}", lines.number));
         match word.to_ascii_lowercase().as_slice() {
             b"vertex" => {
                 let mut value = || words.next().and_then(number);
@@ -119,7 +121,7 @@ fn read_text(bytes: &[u8], raw: &mut Raw) -> Result<(), Error> {
     }
     if is_open {
         let line = lines.number;
-        return Err(Error(format!("line {line}: the file ends before \"endsolid\"")));
+        return Err(Error::damaged(format_args!("line {line}: it ends before \"endsolid\"")));
     }
     Ok(())
 }

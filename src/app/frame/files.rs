@@ -346,7 +346,10 @@ fn content_of(name: String, bytes: Result<Vec<u8>, String>) -> FileEvent {
                 let proposed = propose(&read.surface).ok().map(Box::new);
                 FileEvent::Surface { name, read: Box::new(read), proposed }
             }
-            Err(error) => FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error)),
+            Err(error) => {
+                let error = shown(&error.to_string());
+                FileEvent::Failed(tr!("{name} cannot be read: {error}", name, error))
+            }
         };
     }
     if bytes.len() > MAX_SCENE_BYTES {
