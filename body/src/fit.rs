@@ -20,6 +20,8 @@ use glam::DVec3;
 pub struct Settings {
     /// Thickness of the tissue between skin and wall beside the breast \[mm\], 4 to 60.
     pub cover_mm: f64,
+    /// Least thickness of the tissue under a cover of as much or more \[mm\]; a thinner cover is its own least thickness.
+    pub least_mm: f64,
     /// Radius of the patch \[mm\].
     pub patch_radius_mm: f64,
     /// Radius of the pocket \[mm\].
@@ -34,6 +36,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             cover_mm: 10.0,
+            least_mm: 6.0,
             patch_radius_mm: 130.0,
             pocket_radius_mm: 70.0,
             base_radius_mm: 60.0,
@@ -147,7 +150,7 @@ fn fitted(
         frame = turned(&frame, quadric.normal())?;
     }
     let (field, quadric) = subject.chest(&frame)?;
-    let fields = Fields::new(&field, &quadric, settings.cover_mm);
+    let fields = Fields::new(&field, &quadric, settings);
     let quality = subject.quality(&frame, &field, &quadric, &fields)?;
     if let Some(line) = quality.error().filter(|_| has_limits) {
         return Err(FitError::Limit(line));
@@ -156,7 +159,7 @@ fn fitted(
     let slope = grid.slope(&fields.wall_mm, grid.len() / 2);
     frame = turned(&frame, (-slope).extend(1.0))?;
     let (field, quadric) = subject.chest(&frame)?;
-    let mut fields = Fields::new(&field, &quadric, settings.cover_mm);
+    let mut fields = Fields::new(&field, &quadric, settings);
     let raise = fields.move_to_wall(grid);
     let Fields { skin_mm, bare_mm, wall_mm, .. } = fields;
     let thickness_mm = wall::thickness(grid, &skin_mm, &wall_mm).ok_or(FitError::NoData)?;
@@ -256,12 +259,13 @@ struct Fields {
 }
 
 impl Fields {
-    fn new(field: &Field, quadric: &Quadric, cover_mm: f64) -> Self {
+    fn new(field: &Field, quadric: &Quadric, settings: &Settings) -> Self {
+        let Settings { cover_mm, least_mm, .. } = *settings;
         let mut filled_mm = field.heights_mm.clone();
         let holes = wall::fill_holes(field.grid, &mut filled_mm);
         let bare_mm = chest::bare(field.grid, &filled_mm, quadric, &field.is_data);
         let (skin_mm, wall_mm) =
-            wall::skin_and_wall(field.grid, &filled_mm, &bare_mm, quadric, cover_mm);
+            wall::skin_and_wall(field.grid, &filled_mm, &bare_mm, quadric, [cover_mm, least_mm]);
         Self { filled_mm, holes, skin_mm, bare_mm, wall_mm }
     }
 

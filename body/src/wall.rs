@@ -6,13 +6,11 @@ use glam::DVec2;
 use implant_preview_solver::mesh::{Chest, HeightGrid, ThicknessField};
 use std::f64::consts::SQRT_2;
 
-/// Least thickness of the tissue over a cover of as much or more \[mm\]; a thinner cover is its own least thickness.
-const LEAST_MM: f64 = 6.0;
 /// Greatest slope of the wall \[-\].
 const MOST_SLOPE: f64 = 1.7;
 /// Greatest ratio of thicknesses along z and along the normal \[-\].
 const MOST_STEEPNESS: f64 = 2.0;
-/// Least radius of a hollow at the nodes \[thicknesses of the tissue\], of which a scene needs 2 between the nodes: with 3.5, 5 of 300 random bodies have less.
+/// Least radius of a hollow at the nodes \[thicknesses of the tissue\], of which a scene needs 1.25 by the wall's curvature between the nodes, too: with 3.5, 5 of 300 random bodies have less than 2.
 const HOLLOW: f64 = 6.0;
 /// Greatest number of sweeps that fill hollows, and the rise that ends them \[mm\].
 const HOLLOW_SWEEPS: usize = 200;
@@ -73,7 +71,7 @@ pub(crate) fn fill_holes(grid: Grid, heights: &mut [f64]) -> usize {
 
 /// Skin and wall \[mm\] over the whole grid.
 ///
-/// The wall lies a cover below the bare chest and at least 6 mm, or a thinner cover, below the skin; it falls by 60° at most, goes on so where the scan ends,
+/// The wall lies a cover below the bare chest and at least a least thickness, or a thinner cover, below the skin; it falls by 60° at most, goes on so where the scan ends,
 /// and its distance from the quadric is smoothed by a Gaussian mean of 8 mm; hollows below 6 times the tissue are filled. The skin is raised to this least thickness above the wall where
 /// it is steeper, and its distance from the wall is harmonic where the scan ends.
 pub(crate) fn skin_and_wall(
@@ -81,10 +79,10 @@ pub(crate) fn skin_and_wall(
     heights: &[f64],
     bare: &[f64],
     quadric: &Quadric,
-    cover_mm: f64,
+    [cover_mm, least_mm]: [f64; 2],
 ) -> (Vec<f64>, Vec<f64>) {
     let steepness = |slope: DVec2| (1.0 + slope.length_squared()).sqrt().min(MOST_STEEPNESS);
-    let least_mm = LEAST_MM.min(cover_mm);
+    let least_mm = least_mm.min(cover_mm);
     let mut wall: Vec<f64> = (0..grid.len())
         .map(|node| {
             if heights[node].is_nan() {
@@ -111,7 +109,7 @@ pub(crate) fn skin_and_wall(
         })
         .collect();
     fill_hollows(grid, &mut wall, &tissue);
-    // Thickness along z, of which 6 mm along the normal are the least; harmonic where the scan has none.
+    // Thickness along z, with a least one along the normal; harmonic where the scan has none.
     let is_open: Vec<bool> = heights.iter().map(|height| height.is_nan()).collect();
     let mut depth: Vec<f64> = (0..grid.len())
         .map(|node| {
@@ -229,7 +227,7 @@ mod tests {
     fn flat_skin_over_a_flat_wall_has_the_cover_everywhere() {
         let quadric = Quadric { coefficients: [10.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
         let heights = vec![10.0; GRID.len()];
-        let (skin, wall) = skin_and_wall(GRID, &heights, &heights, &quadric, 10.0);
+        let (skin, wall) = skin_and_wall(GRID, &heights, &heights, &quadric, [10.0, 6.0]);
         let thickness = thickness(GRID, &skin, &wall).unwrap();
         for node in 0..GRID.len() {
             assert!(wall[node].abs() < 1e-12 && (skin[node] - 10.0).abs() < 1e-12);
@@ -243,12 +241,12 @@ mod tests {
         let height = |x: f64| if x > 90.0 { f64::NAN } else { -5.0 * (x - 70.0).max(0.0) };
         let heights: Vec<f64> = (0..GRID.len()).map(|node| height(GRID.place(node).x)).collect();
         let bare = vec![0.0; GRID.len()];
-        let (skin, wall) = skin_and_wall(GRID, &heights, &bare, &Quadric::default(), 10.0);
+        let (skin, wall) = skin_and_wall(GRID, &heights, &bare, &Quadric::default(), [10.0, 6.0]);
         let mut steepest: f64 = 0.0;
         for node in 0..GRID.len() {
             let (x, slope) = (GRID.place(node).x, GRID.slope(&wall, node));
             steepest = steepest.max(slope.length());
-            assert!(skin[node] - wall[node] > LEAST_MM - 1e-9);
+            assert!(skin[node] - wall[node] > 6.0 - 1e-9);
             if x < 40.0 {
                 assert!(
                     (wall[node] + 10.0).abs() < 1e-9 && (heights[node] - skin[node]).abs() < 1e-9

@@ -19,7 +19,7 @@ use implant_preview_core::body::pick::snap;
 use implant_preview_core::body::read::Unit;
 use implant_preview_core::body::surface::Surface;
 use implant_preview_core::body::torso::{Tape, Torso, shaped};
-use implant_preview_core::scene::{CheckedScene, Implant, Scene};
+use implant_preview_core::scene::{CheckedScene, Implant, Plane, Scene};
 use implant_preview_core::simulate::{self, Simulation};
 use implant_preview_core::solve::{Options, Verdict};
 use std::f64::consts::{FRAC_PI_3, TAU};
@@ -94,6 +94,9 @@ fn scene(
         .map_err(|error| error.to_string())?;
     scene.implant = implant;
     scene.pocket_radius_mm = scene.pocket_radius_mm.max(implant.base_radius_mm + 5.0);
+    let mut below = scene.clone();
+    below.set_plane(Some(Plane::Below));
+    below.validate().map_err(|error| error.to_string())?;
     Ok(scene)
 }
 

@@ -17,7 +17,7 @@ use implant_preview_core::body::surface::Surface;
 use implant_preview_core::clinical::Measurements;
 use implant_preview_core::mesh::CELL_TRIANGLES;
 use implant_preview_core::scene::field::TORSO;
-use implant_preview_core::scene::{CheckedScene, Scene, Torso};
+use implant_preview_core::scene::{CheckedScene, Plane, Scene, Torso};
 use implant_preview_core::simulate::{self, Simulation};
 use implant_preview_core::solve::{Options, Solution, Verdict};
 use std::time::Instant;
@@ -102,6 +102,28 @@ fn run(count: usize, nodes_per_side: usize, seed: u64) -> Count {
 fn random_tapes_are_plans_that_converge_by_multigrid() {
     let Count { refused, by_multigrid, turned_triangles, .. } = run(12, 33, 5);
     assert_eq!((refused, by_multigrid, turned_triangles), (0, 12, 0));
+}
+
+/// Every wall that the program makes of a tape carries the tissue: also the flank of a short trunk, and a muscle where the tissue beside the breast is thin. There
+/// the tissue is that of the fit.
+#[test]
+fn a_torso_of_any_tape_carries_tissue_with_and_without_a_muscle() {
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut short = opening(33);
+    short.set_torso(Torso { notch_nipple_mm: 170.0, ..Torso::default() });
+    for mut scene in std::iter::once(short).chain((0..10).map(|_| plan(&mut random, 33))) {
+        for plane in [None, Some(Plane::Below)] {
+            scene.set_plane(plane);
+            assert_eq!(scene.validate(), Ok(()), "{:?}", scene.torso);
+            let fitted = scene.fitted_torso().unwrap().unwrap();
+            let rest = scene.problem().unwrap().rest;
+            let center = rest.nodes(0).len() / 2;
+            let skin = rest.nodes(rest.layers() - 1).nth(center).unwrap();
+            let solids =
+                fitted.fit.thickness_mm[fitted.fit.grid.len() / 2] - scene.layers[0].thickness_mm;
+            assert!((skin.z - solids).abs() < 1e-2, "{plane:?}: {skin} {solids}");
+        }
+    }
 }
 
 /// Two of 200 tapes ask for breasts so close to the midline that the skin between them was squeezed to needles, which the implant turned over.

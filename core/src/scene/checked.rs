@@ -54,7 +54,8 @@ impl CheckedScene {
             None => {
                 let laid = scene.laid()?;
                 let thickness = laid.thickness()?;
-                let scanned = laid.scanned_wall(thickness.as_ref())?;
+                let scanned = laid.scanned_wall(thickness.as_ref());
+                let scanned = scanned.map_err(|error| scene.named_by_torso(error))?;
                 (scanned.unwrap_or_else(|| laid.wall()), thickness)
             }
         };

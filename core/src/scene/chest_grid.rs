@@ -1,11 +1,12 @@
 //! A chest wall by a grid of heights, as a scan gives it.
 
-use super::chest::LEAST_OF_TISSUE;
-use super::continued::{Continuation, bend};
+use super::continued::Continuation;
+use super::hollow::{DIRECTIONS, Feet, Hollow, LEAST_OF_TISSUE, way};
+use super::smooth::smoothed;
 use super::{Scene, SceneError, grid, out_of_range, problem};
 use crate::curve::{number, present, whole};
 use crate::mesh::{Chest, HeightGrid, ThicknessField};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -51,8 +52,6 @@ fn is_zero(number: &f64) -> bool {
 
 /// Smoothing \[mm\].
 const SMOOTH_MM: (f64, f64) = (0.0, 20.0);
-/// Reach of the Gaussian mean \[standard deviations\].
-const SMOOTH_REACH: f64 = 3.0;
 /// Heights \[mm\].
 const HEIGHTS_MM: (f64, f64) = (-1000.0, 1000.0);
 /// Greatest tilt of the grid at its centre \[degrees\], and the tilt that a result mentions: the subtracted plane shears the wall.
@@ -61,16 +60,32 @@ const TILTS: (f64, f64) = (20.0, 1.0);
 const LEAST_UP: f64 = 0.24;
 /// Least distance of neighbouring geodesics \[distance over the plane\]: lines that meet fold the tissue.
 const LEAST_SPREAD: f64 = 0.3;
-/// Directions and lengths of the geodesics of the check.
-const DIRECTIONS: usize = 48;
-const LENGTHS: usize = 8;
 
 /// Least shares of pocket and simulated tissue with data \[-\].
 const SHARES: [(f64, &str); 2] = [(0.9, "pocket"), (0.6, "simulated tissue")];
 
+/// Least part of pocket or tissue without data that a result mentions \[%\].
+const LEAST_SAID: f64 = 0.05;
+
+/// Smoothing that an error proposes where it is enough \[mm\].
+const SMOOTHER_MM: [f64; 9] = [2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0];
+
 const PATH: &str = "chest.grid";
 /// The error of a chest with radii and a grid.
 pub(super) const BOTH: &str = "both radii and a grid; allowed: one of them";
+
+/// Why a wall carries no tissue.
+enum Unfit {
+    /// A hollow is too deep.
+    Hollow(Hollow),
+    Error(SceneError),
+}
+
+impl From<SceneError> for Unfit {
+    fn from(error: SceneError) -> Self {
+        Self::Error(error)
+    }
+}
 
 impl Scene {
     /// The wall of the scene's grid under tissue of this thickness; `None` without a grid.
@@ -94,27 +109,49 @@ impl Scene {
             let allowed = format!("{} to {} mm", SMOOTH_MM.0, SMOOTH_MM.1);
             return Err(out_of_range("chest.grid.smooth_mm", number(*smooth_mm), &allowed));
         }
+        match self.wall_of(grid, &form, thickness) {
+            Ok(wall) => Ok(Some(wall)),
+            Err(Unfit::Error(error)) => Err(error),
+            Err(Unfit::Hollow(hollow)) => {
+                let is_enough = |mm: &f64| {
+                    let smooth = HeightsGrid { smooth_mm: *mm, ..grid.clone() };
+                    *mm > *smooth_mm && self.wall_of(&smooth, &form, thickness).is_ok()
+                };
+                Err(hollow.error(PATH, SMOOTHER_MM.into_iter().find(is_enough)))
+            }
+        }
+    }
+
+    /// The wall of a grid, continued where it has no data, that the tissue fits onto.
+    fn wall_of(
+        &self,
+        grid: &HeightsGrid,
+        form: &grid::Form,
+        thickness: Option<&ThicknessField>,
+    ) -> Result<Chest, Unfit> {
+        let counts = [grid.columns, grid.rows];
         let whole = grid.whole().map(|heights| {
-            let heights = HeightGrid::new(*spacing_mm, counts, heights);
+            let heights = HeightGrid::new(grid.spacing_mm, counts, heights);
             heights.map(Chest::Grid).ok_or_else(|| problem(PATH, "no grid of numbers"))
         });
         let whole = whole.transpose()?.filter(|wall| {
-            let reach = self.feet(wall, LENGTHS).map(|(foot, _)| foot.truncate().abs());
+            let feet = (0..DIRECTIONS).map(|k| wall.foot_and_normal(way(k) * self.patch_radius()));
+            let reach = feet.map(|(foot, _)| foot.truncate().abs());
             let reach = reach.fold(DVec2::ZERO, DVec2::max);
             form.check_reach(counts, reach.to_array()).is_ok()
         });
         let (wall, counts) = match whole {
             Some(wall) => (wall, counts),
-            None => self.continued_wall(grid, &form, thickness)?,
+            None => self.continued_wall(grid, form, thickness)?,
         };
         let tilt = tilt(&wall);
         if tilt > TILTS.0 {
             let allowed = format!("up to {}°", TILTS.0);
             let value = format!("tilted by {tilt:.0}° at the pocket's centre");
-            return Err(out_of_range(PATH, value, &allowed));
+            return Err(out_of_range(PATH, value, &allowed).into());
         }
-        self.check_wall(&wall, thickness, &form, counts)?;
-        Ok(Some(wall))
+        self.check_wall(&wall, thickness, form, counts)?;
+        Ok(wall)
     }
 
     /// The wall of a grid with gaps or beyond a small one, and the numbers of its heights.
@@ -151,14 +188,18 @@ impl Scene {
         thickness: Option<&ThicknessField>,
     ) -> Option<Continuation> {
         let HeightsGrid { spacing_mm, columns, rows, heights_mm, .. } = grid;
-        let [even, solids] = self.even_and_uneven_mm();
-        let thickest = even + solids * thickness.map_or(1.0, ThicknessField::greatest);
         Continuation::new(
             (*spacing_mm, [*columns, *rows]),
             heights_mm,
             self.patch_radius(),
-            thickest,
+            self.thickest_mm(thickness),
         )
+    }
+
+    /// Greatest thickness of the tissue \[mm\].
+    fn thickest_mm(&self, thickness: Option<&ThicknessField>) -> f64 {
+        let [even, solids] = self.even_and_uneven_mm();
+        even + solids * thickness.map_or(1.0, ThicknessField::greatest)
     }
 
     /// Radii of pocket and simulated tissue \[mm\].
@@ -172,12 +213,6 @@ impl Scene {
         move |along| even + solids * thickness.map_or(1.0, |field| field.factor(along))
     }
 
-    /// Points of a wall and normals on a ring of the check.
-    fn feet(&self, wall: &Chest, ring: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
-        let length = self.patch_radius() * ring as f64 / LENGTHS as f64;
-        (0..DIRECTIONS).map(move |k| wall.foot_and_normal(way(k) * length))
-    }
-
     /// Checks that the tissue fits onto a wall.
     fn check_wall(
         &self,
@@ -185,42 +220,37 @@ impl Scene {
         thickness: Option<&ThicknessField>,
         form: &grid::Form,
         counts: [usize; 2],
-    ) -> Result<(), SceneError> {
-        let (patch, tissue) = (self.patch_radius(), self.tissue_at(thickness));
+    ) -> Result<(), Unfit> {
+        let feet = Feet::new(wall, self.patch_radius());
         // Beyond the grid its margin goes on: there the grid's size is the reason.
         let refused = |value: String, place: DVec2, allowed: &str| {
             let size = form.check_reach(counts, place.abs().to_array()).err();
             let value = format!("{value} at ({:.0}, {:.0}) mm", place.x, place.y);
-            Err(size.unwrap_or_else(|| out_of_range(PATH, value, allowed)))
+            Err(size.unwrap_or_else(|| out_of_range(PATH, value, allowed)).into())
         };
         let mut reach = DVec2::ZERO;
-        for ring in 1..=LENGTHS {
-            let length = patch * ring as f64 / LENGTHS as f64;
-            let feet: Vec<_> = self.feet(wall, ring).collect();
-            for (k, (point, normal)) in feet.iter().enumerate() {
-                let place = point.truncate();
-                if normal.z.is_nan() || normal.z < LEAST_UP {
-                    let slope = normal.z.clamp(0.0, 1.0).acos().to_degrees();
-                    let allowed = format!("up to {:.0}°", LEAST_UP.acos().to_degrees());
-                    return refused(format!("steep by {slope:.0}°"), place, &allowed);
-                }
-                let next = feet[(k + 1) % DIRECTIONS].0;
+        for (point, normal) in feet.rings().flat_map(|(_, feet)| feet) {
+            if normal.z.is_nan() || normal.z < LEAST_UP {
+                let slope = normal.z.clamp(0.0, 1.0).acos().to_degrees();
+                let allowed = format!("up to {:.0}°", LEAST_UP.acos().to_degrees());
+                return refused(format!("steep by {slope:.0}°"), point.truncate(), &allowed);
+            }
+            reach = reach.max(point.truncate().abs());
+        }
+        let tissue = (self.tissue_at(thickness), self.thickest_mm(thickness));
+        if let Some(hollow) = feet.deepest(LEAST_OF_TISSUE, tissue) {
+            return Err(Unfit::Hollow(hollow));
+        }
+        for (length, ring) in feet.rings() {
+            for (k, (point, _)) in ring.iter().enumerate() {
+                let (place, next) = (point.truncate(), ring[(k + 1) % DIRECTIONS].0);
                 let spread = place.perp_dot(next.truncate()).signum() * point.distance(next);
                 if spread < LEAST_SPREAD * TAU * length / DIRECTIONS as f64 {
                     return refused("too uneven".to_owned(), place, "a smooth wall");
                 }
-                let bend = bend(wall, place);
-                let least = LEAST_OF_TISSUE * tissue(way(k) * length);
-                if bend * least > 1.0 {
-                    let value = format!("hollow with a radius of {:.0} mm", 1.0 / bend);
-                    let allowed =
-                        format!("{} mm or more, twice the tissue there", number(least.ceil()));
-                    return refused(value, place, &allowed);
-                }
-                reach = reach.max(place.abs());
             }
         }
-        form.check_reach(counts, reach.to_array())
+        Ok(form.check_reach(counts, reach.to_array())?)
     }
 
     /// What a result says about the grid of the chest.
@@ -255,8 +285,9 @@ impl Scene {
             )
         });
         let shares = (!is_whole).then(|| continuation()?.shares(self.ends())).flatten();
-        let continued = shares.map(|shares| {
-            let [pocket, tissue] = shares.map(|share| 100.0 * (1.0 - share));
+        let continued = shares.map(|shares| shares.map(|share| 100.0 * (1.0 - share)));
+        let continued = continued.filter(|parts| parts.iter().any(|part| *part >= LEAST_SAID));
+        let continued = continued.map(|[pocket, tissue]| {
             format!(
                 "The heights of the chest are continued over {tissue:.1} % of the tissue and {pocket:.1} % of the pocket, where \
                  the grid has none."
@@ -273,11 +304,6 @@ fn unknown(share: f64, (least, what): (f64, &str)) -> SceneError {
     out_of_range("chest.grid.heights_mm", value, &allowed)
 }
 
-/// Direction of a geodesic of the check.
-fn way(k: usize) -> DVec2 {
-    DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64)
-}
-
 impl HeightsGrid {
     /// The heights after their smoothing \[mm\]; `None` with gaps.
     fn whole(&self) -> Option<Vec<f64>> {
@@ -286,37 +312,8 @@ impl HeightsGrid {
     }
 
     /// Heights of columns and rows after the smoothing \[mm\].
-    fn smoothed(&self, [columns, rows]: [usize; 2], mut heights: Vec<f64>) -> Vec<f64> {
-        let deviation = self.smooth_mm / self.spacing_mm;
-        if deviation <= 0.0 {
-            return heights;
-        }
-        let reach = (SMOOTH_REACH * deviation).ceil() as usize;
-        let weights: Vec<f64> =
-            (0..=reach).map(|k| (-0.5 * (k as f64 / deviation).powi(2)).exp()).collect();
-        let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
-        let mut line = Vec::new();
-        for (lines, count, step, stride) in
-            [(rows, columns, columns, 1), (columns, rows, 1, columns)]
-        {
-            for first in (0..lines).map(|line| line * step) {
-                line.clear();
-                line.extend((0..count).map(|k| heights[first + k * stride]));
-                // Beyond an edge the heights go on, turned about it: planes stay.
-                let last = count - 1;
-                let at = |k: isize| match usize::try_from(k) {
-                    Err(_) => 2.0 * line[0] - line[k.unsigned_abs().min(last)],
-                    Ok(k) if k <= last => line[k],
-                    Ok(k) => 2.0 * line[last] - line[last - (k - last).min(last)],
-                };
-                for k in 0..count {
-                    let pair = |j: usize| at(k as isize - j as isize) + at((k + j) as isize);
-                    let around: f64 = (1..=reach).map(|j| weights[j] * pair(j)).sum();
-                    heights[first + k * stride] = (weights[0] * line[k] + around) / sum;
-                }
-            }
-        }
-        heights
+    fn smoothed(&self, counts: [usize; 2], heights: Vec<f64>) -> Vec<f64> {
+        smoothed(counts, heights, self.smooth_mm / self.spacing_mm)
     }
 }
 
@@ -438,7 +435,7 @@ mod tests {
     #[test]
     fn the_limit_of_a_hollow_is_that_of_the_tissue_at_its_place() {
         let dent =
-            |at: DVec2| -6.0 * (-(at - DVec2::new(60.0, 0.0)).length_squared() / 400.0).exp();
+            |at: DVec2| -9.0 * (-(at - DVec2::new(60.0, 0.0)).length_squared() / 400.0).exp();
         let with_factor = |there: f64| {
             let mut scene = scene(61, dent);
             scene.layers[1].thickness_mm = 20.0;
@@ -454,13 +451,21 @@ mod tests {
         assert_eq!(with_factor(0.5).validate(), Ok(()));
         let error = with_factor(1.0).validate().unwrap_err().to_string();
         assert!(error.starts_with("chest.grid is hollow with a radius of "), "{error}");
-        assert!(error.ends_with(" mm or more, twice the tissue there"), "{error}");
+        assert!(
+            error.ends_with("times the tissue there; chest.grid.smooth_mm 6 would do"),
+            "{error}"
+        );
     }
 
     #[test]
     fn smoothing_keeps_planes_flattens_waves_and_is_said() {
-        let smoothed = |height: &dyn Fn(DVec2) -> f64| {
+        let thick = |height: &dyn Fn(DVec2) -> f64| {
             let mut scene = scene(61, height);
+            scene.layers[1].thickness_mm = 20.0;
+            scene
+        };
+        let smoothed = |height: &dyn Fn(DVec2) -> f64| {
+            let mut scene = thick(height);
             scene.chest_grid.as_mut().unwrap().grid.smooth_mm = 6.0;
             scene
         };
@@ -475,7 +480,7 @@ mod tests {
         let wave = smoothed(&|at| 1.5 * (0.2 * at.x).cos());
         let middle = heights(&wave)[30 * 61 + 30];
         assert!((middle - 1.5 * (-0.5_f64 * 1.44).exp()).abs() < 5e-3, "{middle}");
-        assert!(scene(61, |at| 1.5 * (0.2 * at.x).cos()).validate().is_err());
+        assert!(thick(&|at| 1.5 * (0.2 * at.x).cos()).validate().is_err());
         assert_eq!(wave.validate(), Ok(()));
         assert_eq!(Scene::from_json(&wave.to_json()), Ok(wave.clone()));
         let wall = wave.problem().unwrap().obstacle.wall.0;

@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 
 /// Lengths ℓ of the blend, tried in this order \[mm\].
 const LENGTHS_MM: [f64; 6] = [5.0, 8.0, 12.0, 18.0, 27.0, 40.0];
-/// Least radius of a hollow of the continuation at the nodes, and of the quadric \[thicknesses of the tissue\]; between the nodes a
-/// scene allows 2.
+/// Least radius of a hollow of the continuation at the nodes, by the heights, and of the quadric \[thicknesses of the tissue\]; a scene
+/// allows 1.25, by the wall's curvature.
 const HOLLOWS: (f64, f64) = (2.5, 3.0);
 /// Least radius of curvature of the quadric outwards \[radii of the simulated tissue\], as of a chest by radii.
 const LEAST_OF_PATCH: f64 = 0.75;
@@ -389,6 +389,13 @@ mod tests {
         );
         let share: f64 = said[start.len()..].split(' ').next().unwrap().parse().unwrap();
         assert!((10.0..18.0).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn nothing_is_said_of_gaps_beyond_the_tissue() {
+        let blanked = scene(HALF, |at| (at.length() < 145.0).then(|| chest(at)));
+        assert!(blanked.patch_radius() < 140.0);
+        assert_eq!(blanked.chest_warnings(&wall(&blanked)), [""; 0]);
     }
 
     /// Data that end on a slope towards the plane of the rest, and with a step.

@@ -82,7 +82,7 @@ impl Scene {
             patch_radius_mm: plan.body.patch_radius_mm,
             pocket_radius_mm: plan.pocket_radius_mm,
             base_radius_mm: plan.implant.base_radius_mm,
-            radii_mm: None,
+            ..Settings::default()
         };
         let found = fit(kept.surface(), &placement.marks, side, &settings);
         let found = found.map_err(|error| wrong(&error.to_string()))?;

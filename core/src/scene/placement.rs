@@ -1,6 +1,7 @@
 //! Where a scene lies on a body: unit, frame and marks; and the scene of a fitted body.
 
 use super::kept_surface::{KeptSurface, SurfaceFile};
+use super::thickness::FACTORS;
 use super::{ChestGrid, HeightsGrid, Scene, SceneError, Side, ThicknessGrid, out_of_range};
 use crate::body::fit::BodyFit;
 use crate::body::frame::Frame;
@@ -80,8 +81,6 @@ pub const COVER_MM: (f64, f64) = (6.0, 30.0);
 const GREATEST_MM: f64 = 1e7;
 /// Greatest deviation of the axes from unit vectors at right angles \[-\].
 const AXES: f64 = 1e-6;
-/// Factors of a thickness field.
-const FACTORS: (f64, f64) = (0.05, 20.0);
 /// Nodes of the scene's grids from their centre to the edge of the patch.
 const NODES: usize = 32;
 /// Decimals of heights \[mm\] and of factors.
@@ -168,8 +167,7 @@ impl Scene {
     /// Wall and thickness of a fit under the layers of the scene.
     pub(super) fn grids_of(&self, fit: &BodyFit) -> (ChestGrid, ThicknessGrid) {
         let (grid, side_of_grid) = (fit.grid, 2 * NODES + 1);
-        let skin_mm = self.layers[0].thickness_mm;
-        let solids_mm = self.tissue_mm() - skin_mm;
+        let [even_mm, uneven_mm] = self.even_and_uneven_mm();
         let rounded = |value: f64, decimals: f64| (value * decimals).round() / decimals;
         let nodes = || {
             let first = grid.half.saturating_sub(NODES);
@@ -178,7 +176,7 @@ impl Scene {
         };
         let heights = nodes().map(|node| Some(rounded(fit.wall_mm[node], DECIMALS.0)));
         let factors = nodes().map(|node| {
-            let factor = (fit.thickness_mm[node] - skin_mm) / solids_mm;
+            let factor = (fit.thickness_mm[node] - even_mm) / uneven_mm;
             rounded(factor.clamp(FACTORS.0, FACTORS.1), DECIMALS.1)
         });
         let (spacing_mm, columns, rows) = (grid.spacing_mm, side_of_grid, side_of_grid);

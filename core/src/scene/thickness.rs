@@ -28,7 +28,7 @@ pub struct ThicknessGrid {
 }
 
 /// Factors of the thickness.
-const FACTORS: (f64, f64) = (0.05, 20.0);
+pub(super) const FACTORS: (f64, f64) = (0.05, 20.0);
 
 impl Scene {
     /// The thickness of the solids as a function of the place on the wall.

@@ -1,8 +1,9 @@
 //! A chest by the built-in torso, shaped by what a tape measures: wall and thickness of a scene are those of its fit.
 //!
-//! The cover of the fit is the thickness of the layers, the pocket's centre that of an implant of 12 cm. Shaped torsos and fits are kept by
+//! The cover of the fit is the thickness of the layers, below the muscle that of the muscle, too, the pocket's centre that of an implant of 12 cm. Shaped torsos and fits are kept by
 //! their numbers: a torso with its fit takes twice as long as the solve of the opening plan at 65 nodes per side, a fit under another cover half of that.
 
+use super::thickness::FACTORS;
 use super::{Field, Scene, SceneError, ThicknessGrid, field, out_of_range, problem};
 use crate::body::fit::{BodyFit, FitError, Settings, fit_known};
 use crate::body::marks::Side;
@@ -89,10 +90,16 @@ impl Torso {
     /// # Errors
     /// As [`Self::shaped`].
     pub fn fitted(&self, cover_mm: f64) -> Result<Arc<FittedTorso>, FitError> {
-        FITTED.of((*self, cover_mm), || {
+        self.fitted_under([cover_mm, Settings::default().least_mm])
+    }
+
+    /// The same under a cover and a least thickness \[mm\].
+    fn fitted_under(&self, tissue_mm: [f64; 2]) -> Result<Arc<FittedTorso>, FitError> {
+        FITTED.of((*self, tissue_mm), || {
             let shaped = self.shaped()?;
             let torso::Torso { surface, marks } = &shaped.torso;
-            let settings = Settings { cover_mm, ..Settings::default() };
+            let [cover_mm, least_mm] = tissue_mm;
+            let settings = Settings { cover_mm, least_mm, ..Settings::default() };
             let fit = fit_known(surface, marks, Side::Left, &settings)?;
             Ok(FittedTorso { shaped, fit })
         })
@@ -124,7 +131,7 @@ struct Kept<K, V>(Mutex<Vec<(K, Arc<V>)>>);
 const KEPT: usize = 8;
 
 static SHAPED: Kept<Torso, Shaped> = Kept(Mutex::new(Vec::new()));
-static FITTED: Kept<(Torso, f64), FittedTorso> = Kept(Mutex::new(Vec::new()));
+static FITTED: Kept<(Torso, [f64; 2]), FittedTorso> = Kept(Mutex::new(Vec::new()));
 
 impl<K: Copy + PartialEq, V> Kept<K, V> {
     fn list(&self) -> MutexGuard<'_, Vec<(K, Arc<V>)>> {
@@ -171,7 +178,10 @@ impl Scene {
     /// # Errors
     /// As [`Torso::fitted`].
     pub fn fitted_torso(&self) -> Option<Result<Arc<FittedTorso>, FitError>> {
-        Some(self.torso.as_ref()?.fitted(self.tissue_mm()))
+        // The muscle is as thick everywhere, and other solids have a part of their thickness.
+        let [even, uneven] = self.even_and_uneven_mm();
+        let least = Settings::default().least_mm.max(even + FACTORS.0 * uneven);
+        Some(self.torso.as_ref()?.fitted_under([self.tissue_mm(), least]))
     }
 
     /// Checks that the scene may have its torso.
@@ -191,6 +201,17 @@ impl Scene {
             return Err(out_of_range(Field::PatchRadius.path, value, &allowed));
         }
         Ok(())
+    }
+
+    /// An error of the wall, which names the torso where that has made the wall.
+    pub(super) fn named_by_torso(&self, error: SceneError) -> SceneError {
+        match error {
+            SceneError::OutOfRange { value, allowed, .. } if self.torso.is_some() => {
+                let allowed = allowed.split_once(';').map_or(&*allowed, |(limit, _)| limit);
+                out_of_range("chest.torso", value, allowed)
+            }
+            error => error,
+        }
     }
 
     /// The scene with wall and thickness of its torso; otherwise the scene itself.

@@ -5,7 +5,7 @@ use super::scenes::uniform;
 use crate::axisymmetric_layers::Mound;
 use fastrand::Rng;
 use glam::DVec2;
-use implant_preview_core::mesh::Chest;
+use implant_preview_core::mesh::{Chest, HeightGrid, ThicknessField};
 use implant_preview_core::scene::{ChestGrid, ChestShape, HeightsGrid, Scene};
 use std::f64::consts::TAU;
 
@@ -27,6 +27,9 @@ const SPACING_MM: f64 = 5.0;
 const MARGIN_MM: f64 = 10.0;
 /// Draws of a wall before bumps are left out.
 const DRAWS: usize = 8;
+/// Least radius of a hollow by the second derivatives of the heights, at places of as many rings and directions \[thicknesses of the tissue there\].
+const HOLLOW: f64 = 2.0;
+const PLACES: [usize; 2] = [8, 48];
 
 /// A bump of the wall.
 struct Bump {
@@ -53,7 +56,7 @@ pub(super) fn patient(rng: &mut Rng, scene: &mut Scene) {
         for _ in 0..DRAWS {
             let bumps: Vec<Bump> = (0..count).map(|_| bump(rng, scene)).collect();
             scene.chest_grid = Some(wall(scene, &bumps));
-            if scene.validate().is_ok() {
+            if is_shallow(scene) && scene.validate().is_ok() {
                 return;
             }
         }
@@ -67,6 +70,31 @@ fn bump(rng: &mut Rng, scene: &Scene) -> Bump {
         height_mm: uniform(rng, BUMP_MM),
         width_mm: uniform(rng, BUMP_WIDTH_MM),
     }
+}
+
+/// Are the wall's hollows as shallow as those of bodies?
+fn is_shallow(scene: &Scene) -> bool {
+    let (Some(ChestGrid { grid }), Some(field)) = (&scene.chest_grid, &scene.thickness_field)
+    else {
+        return true;
+    };
+    let heights = grid.heights_mm.iter().map(|height| height.unwrap_or(0.0)).collect();
+    let heights = HeightGrid::new(grid.spacing_mm, [grid.columns, grid.rows], heights);
+    let factors = field.factors.to_vec();
+    let factors = ThicknessField::new(field.spacing_mm, [field.columns, field.rows], factors);
+    let (Some(wall), Some(factors)) = (heights.map(Chest::Grid), factors) else { return false };
+    let muscle = scene.layers.last().filter(|_| scene.body.plane.is_some());
+    let even = scene.layers[0].thickness_mm + muscle.map_or(0.0, |muscle| muscle.thickness_mm);
+    let [rings, directions] = PLACES;
+    (0..rings * directions).all(|k| {
+        let (ring, way) = ((k / directions + 1) as f64, (k % directions) as f64);
+        let way = DVec2::from_angle(TAU * way / directions as f64);
+        let place = way * (scene.patch_radius() * ring / rings as f64);
+        let [xx, xy, yy] = wall.curvature(wall.foot_and_normal(place).0.truncate());
+        let bend = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+        let tissue = even + (scene.tissue_mm() - even) * factors.factor(place);
+        bend * HOLLOW * tissue <= 1.0
+    })
 }
 
 /// The usual chest with bumps.

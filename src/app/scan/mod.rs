@@ -164,7 +164,7 @@ impl Scan {
                 patch_radius_mm: plan.body.patch_radius_mm,
                 pocket_radius_mm: plan.pocket_radius_mm,
                 base_radius_mm: plan.implant.base_radius_mm,
-                radii_mm: None,
+                ..Settings::default()
             };
             let found = fit(&self.read.surface, &marks, self.side, &settings);
             found.map(Box::new).map_err(|error| error.to_string())
