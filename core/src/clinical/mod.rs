@@ -81,7 +81,7 @@ pub enum ClinicalError {
         unit: &'static str,
     },
     /// The values are in their ranges, and a value derived from them is not.
-    #[error("{given} gives a {quantity} of {}{unit}; allowed: {} to {}{unit}", rounded(*value), number(allowed.0), number(allowed.1))]
+    #[error("{given} gives a {quantity} of {}{unit}; allowed: {} to {}{unit}", derived(*value, allowed.1), number(allowed.0), number(allowed.1))]
     Derived {
         /// The given values, in words.
         given: String,
@@ -100,6 +100,11 @@ pub enum ClinicalError {
     /// The pull was measured without the base width.
     #[error("skin_pull_mm is given without base_width_mm; allowed: both, or skin_class")]
     PullWithoutWidth,
+}
+
+/// A derived value; one without a bound is above the greatest one.
+fn derived(value: f64, most: f64) -> String {
+    if value.is_finite() { rounded(value) } else { format!("more than {}", number(most)) }
 }
 
 /// Three significant digits.
