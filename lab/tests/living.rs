@@ -14,18 +14,7 @@ fn solved(scene: &Scene) -> Outcome {
 /// were one loop, and where rough solves stall finer ones, an implant of saline under skin that grows (case 14) had no answer.
 #[test]
 fn random_patients_with_everything_converge_by_multigrid() {
-    let population = Clinical {
-        has_terrain: true,
-        has_tension: true,
-        has_growth: true,
-        has_fill: true,
-        has_plane: true,
-        has_fold: true,
-        has_void: true,
-        has_posture: true,
-        nodes_per_side: 33,
-        ..Clinical::default()
-    };
+    let population = Clinical { nodes_per_side: 33, ..Clinical::with_everything() };
     let found: Vec<Outcome> = (0..20).map(|case| solved(&population.scene(5, case))).collect();
     for (case, outcome) in found.iter().enumerate() {
         let by = (outcome.status, outcome.solver.method);

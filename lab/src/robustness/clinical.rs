@@ -128,6 +128,22 @@ fn log_normal(rng: &mut Rng, (median, factor): (f64, f64)) -> f64 {
 }
 
 impl Clinical {
+    /// Patients with all that a person and an operation may have at once, over the walls and the thickness of bodies.
+    #[must_use]
+    pub fn with_everything() -> Self {
+        Self {
+            has_terrain: true,
+            has_tension: true,
+            has_growth: true,
+            has_fill: true,
+            has_plane: true,
+            has_fold: true,
+            has_void: true,
+            has_posture: true,
+            ..Self::default()
+        }
+    }
+
     /// The random scene of a case, of tolerance 1e-3.
     #[must_use]
     pub fn scene(self, seed: u64, case: u64) -> Scene {
@@ -402,17 +418,7 @@ mod tests {
     /// All that a person and an operation may have at once.
     #[test]
     fn a_scene_with_everything_is_valid() {
-        let terrain = Clinical {
-            has_terrain: true,
-            has_tension: true,
-            has_growth: true,
-            has_fill: true,
-            has_plane: true,
-            has_fold: true,
-            has_void: true,
-            has_posture: true,
-            ..Clinical::default()
-        };
+        let terrain = Clinical::with_everything();
         for all in [terrain, Clinical { has_terrain: false, has_chest: true, ..terrain }] {
             let scenes: Vec<Scene> = (0..100).map(|case| all.scene(7, case)).collect();
             for scene in &scenes {
