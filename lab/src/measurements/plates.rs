@@ -6,7 +6,7 @@
 //! Uses `table`. Used by `mod`.
 
 use super::table::{Comparison, Mark, PlotAxis, Row, Series};
-use implant_preview_core::contact::{HalfBall, SoftHalfBall};
+use implant_preview_core::contact::{Geometry, HalfBall, SoftHalfBall};
 use implant_preview_core::scene::Fill;
 
 /// Half of the diameter of the implants' planform, 108 cm², and projection \[mm\].
@@ -49,9 +49,9 @@ impl Pressed {
 
     /// The body of a taper and a shoulder, flattened to a height.
     fn body(&self, [taper, shoulder]: [f64; 2], decrease: f64) -> SoftHalfBall {
-        let upright = self.body.clone().with_modes([0.0, taper, shoulder, 0.0, 0.0, 0.0]);
+        let upright = self.body.clone().with_modes([0.0, taper, shoulder, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let flattening = 1.0 - self.height_mm * (1.0 - decrease) / upright.top();
-        upright.with_modes([flattening, taper, shoulder, 0.0, 0.0, 0.0])
+        upright.with_modes([flattening, taper, shoulder, 0.0, 0.0, 0.0, 0.0, 0.0])
     }
 
     /// The body of least energy at a decrease of the height \[-\]: by steps along both numbers that halve.

@@ -107,8 +107,7 @@ impl Dome {
     /// Half of the width and of the height of the section in which the dome meets the wall \[mm\].
     #[must_use]
     pub fn wall_axes(&self) -> DVec2 {
-        let reach = |direction| self.shape.reach(self.wall_angle(), direction);
-        DVec2::new(reach(DVec2::X).x, reach(DVec2::Y).y)
+        self.shape.half_widths(self.wall_angle())
     }
 
     /// The length that tolerances and errors are relative to \[mm\]: half of the base's width, of a round implant the base radius.
@@ -156,14 +155,14 @@ impl Dome {
 
     /// Distances \[mm\] that points outside are at least away, over the plane; no root but the gauge's.
     pub fn least_distances(&self) -> impl Fn(DVec3) -> f64 {
-        let (least, top) = (self.shape.least_length(), self.top());
+        let (least, top) = (self.shape.least_length(), self.base_height + self.shape.top());
         let (outgrows, draped) = (self.shape.outgrows_distance(), self.draped::<f64>());
         let gauge = move |point: DVec3| draped.near(point.to_array()).length - 1.0;
         move |point| {
             if !outgrows {
                 return gauge(point) * least;
             }
-            // The half-space below the apex contains the dome.
+            // The half-space below the highest point contains the dome.
             let over = (point.z - self.chest.height(point.truncate()) - top).max(0.0);
             (gauge(point - DVec3::Z * over) * least).max(over)
         }

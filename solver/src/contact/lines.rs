@@ -28,17 +28,21 @@ impl Dome {
     pub fn circles(&self, count: usize, around: usize) -> impl Iterator<Item = DVec3> {
         let turn = |step: usize| DVec2::from_angle(TAU * step as f64 / around as f64);
         let directions: Vec<DVec2> = (0..around).map(turn).collect();
-        let (dome, last) = (self.clone(), self.wall_angle());
+        let dome = self.clone();
+        let last = |way: &DVec2| dome.shape.angle_at(-dome.base_height, *way);
+        let lines: Vec<(DVec2, f64)> = directions.iter().map(|way| (*way, last(way))).collect();
         (0..=count).flat_map(move |circle| {
-            let angle = last * circle as f64 / count as f64;
-            let height = dome.height(angle);
-            let axis = dome.axis(height);
-            let point = |across: &DVec2| {
-                let place = axis + dome.shape.reach(angle, *across);
-                place.extend(dome.chest.height(place) + height)
-            };
-            directions.iter().map(point).collect::<Vec<DVec3>>()
+            let part = circle as f64 / count as f64;
+            let point =
+                |(way, last): &(DVec2, f64)| dome.placed(dome.shape.point(last * part, *way));
+            lines.iter().map(point).collect::<Vec<DVec3>>()
         })
+    }
+
+    /// A point of the shape in place \[mm\].
+    fn placed(&self, point: DVec3) -> DVec3 {
+        let place = self.center + point.truncate();
+        place.extend(self.chest.height(place) + self.base_height + point.z)
     }
 
     /// The dome's outline in the plane of a given y at a parameter from 0 (greatest x) to π: x and height above the
@@ -93,8 +97,8 @@ mod tests {
     fn yielding() -> impl Iterator<Item = Dome> {
         anatomical().into_iter().map(|dome| {
             let rest = dome.shape.half_ball().unwrap();
-            let soft =
-                Deformed::at_rest(rest, 20.0).with_modes([0.1, 0.05, 0.04, 0.02, 0.03, -0.05]);
+            let soft = Deformed::at_rest(rest, 20.0)
+                .with_modes([0.1, 0.05, 0.04, 0.02, 0.03, -0.05, 0.04, -0.06]);
             Dome { shape: soft.into(), ..dome }
         })
     }
@@ -107,7 +111,8 @@ mod tests {
             assert!((above(dome.apex()) - dome.top()).abs() < 1e-12);
             for point in dome.circles(12, 24) {
                 assert!(dome.gauge(point).abs() < 1e-12);
-                assert!((-1e-9..=dome.top() + 1e-9).contains(&above(point)));
+                let top = dome.base_height + dome.shape.top();
+                assert!((-1e-9..=top + 1e-9).contains(&above(point)));
             }
             for x in [-30.0, 4.0, 25.0, dome.center.x] {
                 let ends = [0.0, PI].map(|angle| dome.outline_along(x, angle));

@@ -21,8 +21,7 @@ impl Dome {
         let section = |t: f64| {
             let height = top - (top - least).max(0.0) * t * t;
             let angle = (height / top).clamp(0.0, 1.0).acos();
-            let reach = |direction| self.shape.reach(angle, direction);
-            PI * reach(DVec2::X).x * reach(DVec2::Y).y * 2.0 * t
+            PI * self.shape.half_widths(angle).element_product() * 2.0 * t
         };
         let step = 1.0 / SECTIONS as f64;
         let weight = |k: usize| match k {
@@ -39,7 +38,7 @@ impl Dome {
         let (draped, wall) = (self.draped::<f64>(), self.chest.height(place));
         let is_inside =
             |height: f64| draped.length_squared(place.extend(wall + height).to_array()) < 1.0;
-        let (mut inside, mut outside) = (0.0, self.top());
+        let (mut inside, mut outside) = (0.0, self.base_height + self.shape.top());
         if outside <= 0.0 || !is_inside(0.0) {
             return 0.0;
         }

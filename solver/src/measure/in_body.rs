@@ -34,13 +34,15 @@ pub struct Yielded {
     pub widening: f64,
     /// Shears across and along the body.
     pub shear: [f64; 2],
+    /// Tilts across and along the body: thicker towards +x, towards +y, by so much at half the width.
+    pub tilt: [f64; 2],
 }
 
 /// Of a solution; `None` of an implant that does not yield.
 pub(super) fn of(solution: &Solution) -> Option<ImplantInBody> {
     let dome = &solution.problem().obstacle.dome;
     let soft = dome.shape.soft()?;
-    let [flattening, taper, shoulder, widening, across, along] = soft.modes();
+    let [flattening, taper, shoulder, widening, across, along, tilt @ ..] = soft.modes();
     Some(ImplantInBody {
         height_mm: dome.projection(),
         half_width_mm: soft.greatest_half_axes().to_array(),
@@ -48,6 +50,13 @@ pub(super) fn of(solution: &Solution) -> Option<ImplantInBody> {
         modulus_kpa: soft.modulus_kpa(),
         // kPa·mm³ are µJ.
         energy_mj: soft.energy() / 1000.0,
-        deformation: Yielded { flattening, taper, shoulder, widening, shear: [across, along] },
+        deformation: Yielded {
+            flattening,
+            taper,
+            shoulder,
+            widening,
+            shear: [across, along],
+            tilt,
+        },
     })
 }

@@ -130,7 +130,7 @@ pub struct Record {
     pub grown: Vec<f32>,
     /// The numbers of the deformation of an implant that yields.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub implant: Option<[f64; 6]>,
+    pub implant: Option<[f64; 8]>,
     /// The suction of a void that is limited \[kPa\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub suction_kpa: Option<f64>,

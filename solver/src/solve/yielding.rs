@@ -11,7 +11,7 @@ use crate::contact::{Balance, Gel, Geometry, MODES, Modes};
 /// Stiffness of a node's reaction to its move \[reactions/height of the implant\]: above that of most tissue, which converges without oscillation.
 const STIFFENING: f64 = 2.0;
 /// Most change of the numbers in a step \[-\].
-const MOST_CHANGE: Modes<f64> = [0.15, 0.2, 0.05, 0.1, 0.1, 0.1];
+const MOST_CHANGE: Modes<f64> = [0.15, 0.2, 0.05, 0.1, 0.1, 0.1, 0.1, 0.1];
 /// Greatest change of a number of a step that shows nothing of the tissue's stiffness: rounding \[-\].
 const LEAST_SHOWN: f64 = 1e-4;
 /// Stiffness along a step beyond that of the model that is learned, or below it is forgotten \[model\].
@@ -19,8 +19,16 @@ const DEVIATION: f64 = 0.4;
 /// The least part of the learned stiffness that a step leaves \[-\].
 const LEAST_PART: f64 = 0.25;
 /// Least and greatest of the numbers \[-\]: beyond the maps describe no implant.
-const RANGE: [(f64, f64); MODES] =
-    [(-0.3, 0.6), (-0.42, 1.0), (-0.15, 0.2), (-0.4, 0.4), (-0.5, 0.5), (-0.5, 0.5)];
+const RANGE: [(f64, f64); MODES] = [
+    (-0.3, 0.6),
+    (-0.42, 1.0),
+    (-0.15, 0.2),
+    (-0.4, 0.4),
+    (-0.5, 0.5),
+    (-0.5, 0.5),
+    (-0.3, 0.3),
+    (-0.3, 0.3),
+];
 
 type Matrix = [Modes<f64>; MODES];
 
@@ -91,7 +99,7 @@ impl Yielding {
             && problem.rest.is_even()
             && soft.rest().is_round()
             && problem.mirrored() == [true; 2];
-        let fixed = [false, false, false, is_round, across, along];
+        let fixed = [false, false, false, is_round, across, along, across, along];
         let learned = [[0.0; MODES]; MODES];
         Some(Self { gel: soft.gel(), height, fixed, modes: soft.modes(), learned, before: None })
     }
@@ -160,7 +168,7 @@ impl Yielding {
         loop {
             let step = self.limited(matrix, forces, &fixed);
             // A number at its bound that the step would take beyond stays, and the others move without it.
-            let stays = [0, 1, 2, 3, 4, 5].map(|k| {
+            let stays = std::array::from_fn(|k| {
                 let (least, most) = RANGE[k];
                 let towards = step[k];
                 towards < 0.0 && self.modes[k] <= least || towards > 0.0 && self.modes[k] >= most
@@ -209,7 +217,7 @@ impl Yielding {
 }
 
 fn difference(a: &Modes<f64>, b: &Modes<f64>) -> Modes<f64> {
-    [0, 1, 2, 3, 4, 5].map(|k| a[k] - b[k])
+    std::array::from_fn(|k| a[k] - b[k])
 }
 
 fn dot(a: &Modes<f64>, b: &Modes<f64>) -> f64 {
@@ -256,7 +264,7 @@ mod tests {
             Yielding {
                 gel: body.gel(),
                 height: 30.0,
-                fixed: [false, false, false, true, true, true],
+                fixed: [false, false, false, true, true, true, true, true],
                 modes: [0.0; MODES],
                 learned: [[0.0; MODES]; MODES],
                 before: None,
@@ -271,6 +279,11 @@ mod tests {
         }
     }
 
+    /// The first three numbers, the others zero.
+    fn first([flattening, taper, shoulder]: [f64; 3]) -> Modes<f64> {
+        [flattening, taper, shoulder, 0.0, 0.0, 0.0, 0.0, 0.0]
+    }
+
     fn greatest(step: &Modes<f64>) -> f64 {
         step.iter().fold(0.0, |most, change| most.max(change.abs()))
     }
@@ -282,7 +295,7 @@ mod tests {
             stiffness[k][k] = of;
         }
         (stiffness[0][2], stiffness[2][0]) = (-2e7, -2e7);
-        let tight = Linear { at_rest: [8e6, -4e6, -6e6, 0.0, 0.0, 0.0], stiffness };
+        let tight = Linear { at_rest: first([8e6, -4e6, -6e6]), stiffness };
         let (mut learning, mut plain) = (Linear::yielding(), Linear::yielding());
         let mut left = [0.0; 2];
         for _ in 0..20 {
@@ -295,8 +308,7 @@ mod tests {
         assert!(left[0] < 1e-4 && left[1] > 0.03, "{left:?}");
 
         // Soft tissue takes the learned stiffness back.
-        let soft =
-            Linear { at_rest: [3e5, 0.0, 0.0, 0.0, 0.0, 0.0], stiffness: [[0.0; MODES]; MODES] };
+        let soft = Linear { at_rest: first([3e5, 0.0, 0.0]), stiffness: [[0.0; MODES]; MODES] };
         learning.begin_grid();
         for _ in 0..20 {
             let step = learning.next_step(&soft.work(&learning.modes));
@@ -308,7 +320,7 @@ mod tests {
 
     #[test]
     fn numbers_balance_while_another_one_is_at_its_bound() {
-        let at_rest = [-8.6e5, -4.7e5, 1e9, 0.0, 0.0, 0.0];
+        let at_rest = first([-8.6e5, -4.7e5, 1e9]);
         let tissue = Linear { at_rest, stiffness: [[0.0; MODES]; MODES] };
         let mut yielding = Linear::yielding();
         for _ in 0..60 {

@@ -60,8 +60,29 @@ pub trait Geometry: Debug {
         None
     }
 
+    /// Height of the highest point \[mm\].
+    fn top(&self) -> f64 {
+        self.half_axes().z
+    }
+
     /// From the axis to the surface at a parameter θ \[mm\], in a direction of the image of a circle.
     fn reach(&self, angle: f64, direction: DVec2) -> DVec2;
+
+    /// A point of the surface \[mm\] on a line from the apex, θ = 0, to the base.
+    fn point(&self, angle: f64, direction: DVec2) -> DVec3 {
+        let height = self.half_axes().z * angle.cos();
+        (self.axis(height) + self.reach(angle, direction)).extend(height)
+    }
+
+    /// The parameter at which the line of [`Self::point`] is at a height \[mm\].
+    fn angle_at(&self, height: f64, _direction: DVec2) -> f64 {
+        (height / self.half_axes().z).clamp(0.0, 1.0).acos()
+    }
+
+    /// Half of the width and of the height of the section at a parameter θ \[mm\].
+    fn half_widths(&self, angle: f64) -> DVec2 {
+        DVec2::new(self.reach(angle, DVec2::X).x, self.reach(angle, DVec2::Y).y)
+    }
 
     /// A length \[mm\]: a point outside, not above the apex, is no closer than this length times its gauge.
     fn least_length(&self) -> f64;

@@ -101,18 +101,44 @@ impl Gel {
     /// The image of a point along the weight \[kPa\].
     #[inline(always)]
     fn lowered<R: Real>(&self, point: &Point, modes: Modes<R>) -> R {
+        let upright = self.upright(point, modes);
+        let [r, s] = self.rises(upright, modes);
+        let (one, two) = (R::splat(1.0), R::splat(2.0));
+        let [a, b, c] = self.weight.to_array().map(R::splat);
+        let [x, y] = [(0, r), (1, s)].map(|(axis, rise)| {
+            two * upright[axis] / (one + rise) + self.moved(axis, modes[MODES - 2 + axis])
+        });
+        a * x + b * y + c * upright[2] * r * s
+    }
+
+    /// The tilt's move of the sections along an axis.
+    #[inline(always)]
+    fn moved<R: Real>(&self, axis: usize, tilt: R) -> R {
+        let (one, two) = (R::splat(1.0), R::splat(2.0));
+        let side = |over: R| one / (one + (one + over).max(R::splat(0.01)).sqrt());
+        (side(-(two * tilt)) - side(two * tilt)) / R::splat(self.per_square[axis].sqrt())
+    }
+
+    /// The image of a point before the tilt.
+    #[inline(always)]
+    fn upright<R: Real>(&self, point: &Point, modes: Modes<R>) -> [R; 3] {
         let [x, y, z] = point.place.map(R::splat);
         let Parts { left, steep, wide, c, root } = self.parts(point, modes);
         let up = left * R::splat(2.0) * z * steep / (R::splat(1.0) + c);
         let wide = root / (wide * left.sqrt());
-        let [.., widening, across, along] = modes;
-        let image = [
-            x * wide * widening.exp() + across * up,
-            y * wide * (-widening).exp() + along * up,
-            up,
-        ];
-        let [a, b, c] = self.weight.to_array().map(R::splat);
-        a * image[0] + b * image[1] + c * image[2]
+        let [_, _, _, widening, across, along, ..] = modes;
+        [x * wide * widening.exp() + across * up, y * wide * (-widening).exp() + along * up, up]
+    }
+
+    /// The tilt's factors r_x and r_y of the height of an image.
+    #[inline(always)]
+    fn rises<R: Real>(&self, upright: [R; 3], [.., across, along]: Modes<R>) -> [R; 2] {
+        let rise = |tilt: R, at: R, square: f64| {
+            let over = R::splat(2.0 * square.sqrt()) * tilt * at;
+            (R::splat(1.0) + over).max(R::splat(0.01)).sqrt()
+        };
+        let [a, b] = self.per_square;
+        [rise(across, upright[0], a), rise(along, upright[1], b)]
     }
 
     /// What the image of a point and its gradient have in common.
@@ -132,7 +158,7 @@ impl Gel {
     /// The gradient of the image at a point, by rows.
     #[inline(always)]
     fn gradient<R: Real>(&self, point: &Point, modes: Modes<R>) -> [[R; 3]; 3] {
-        let [_, taper, shoulder, widening, across, along] = modes;
+        let [_, taper, shoulder, widening, across, along, tilts @ ..] = modes;
         let number = R::splat;
         let [x, y, z] = point.place;
         let [by_x, by_y] = [x * self.per_square[0], y * self.per_square[1]];
@@ -153,12 +179,24 @@ impl Gel {
                 width * root * (own - narrowing * number(of * by)) + lift * upper[axis]
             })
         };
-        [row(x, 0, widening, across), row(y, 1, -widening, along), upper.map(|part| part * up)]
+        let rows =
+            [row(x, 0, widening, across), row(y, 1, -widening, along), upper.map(|part| part * up)];
+        // The tilt: rows by r_x and r_y, and the height's by their change.
+        let upright = self.upright(point, modes);
+        let [r, s] = self.rises(upright, modes);
+        let [by_x, by_y] = [(0, r, s), (1, s, r)].map(|(axis, own, other)| {
+            upright[2] * tilts[axis] * number(self.per_square[axis].sqrt()) * other / own
+        });
+        [
+            rows[0].map(|part| part / r),
+            rows[1].map(|part| part / s),
+            [0, 1, 2].map(|k| rows[2][k] * r * s + rows[0][k] * by_x + rows[1][k] * by_y),
+        ]
     }
 
     /// Derivatives of both energies by the numbers; the second ones are those of the elastic energy.
     pub(crate) fn balance(&self, modes: Modes<f64>) -> Balance {
-        let variables = [0, 1, 2, 3, 4, 5].map(|k| Dual::<MODES>::variable(modes[k], k));
+        let variables = std::array::from_fn(|k| Dual::<MODES>::variable(modes[k], k));
         let shear_modulus = self.modulus_kpa / 3.0;
         let mut forces = [0.0; MODES];
         let mut stiffness = [[0.0; MODES]; MODES];

@@ -1,8 +1,8 @@
 //! The maps of a body that yields: of determinant one everywhere, with the base in its plane, as inverses in closed form.
 //!
-//! Of six numbers: ε flattens, κ widens upper sections, ν moves the body from its middle to its shoulders, e widens across and narrows along the body,
-//! (s_x, s_y) shear. With the height h and half-axes a and b at rest, λ = 1 − ε, t = z/(λh), c = 1 + κt and u = (x₁/a)² + (y₁/b)² a point (x, y, z)
-//! is the image of
+//! Of eight numbers: ε flattens, κ widens upper sections, ν moves the body from its middle to its shoulders, e widens across and narrows along the body,
+//! (s_x, s_y) shear, and the last two tilt it (`tilt`). With the height h and half-axes a and b at rest, λ = 1 − ε, t = z/(λh), c = 1 + κt and u = (x₁/a)² + (y₁/b)² a point (x, y, z)
+//! of the upright body is the image of
 //!
 //! ```text
 //! x₁ = (x − s_x z) √λ e^−e / √c,    y₁ = (y − s_y z) √λ e^e / √c,    z₁ = h (t + κt²/2)
@@ -11,19 +11,20 @@
 //!
 //! Where c or 1 + 2νu would fall below a bound, beyond the body, they stay at the bound.
 
+use super::tilt::{Tilt, Upright};
 use crate::mesh::vec3::Block;
 use crate::number::Real;
 
 /// Numbers of a deformation.
-pub(crate) const MODES: usize = 6;
+pub(crate) const MODES: usize = 8;
 
-/// Flattening ε, taper κ, shoulder ν, widening e, shears s_x and s_y \[-\].
+/// Flattening ε, taper κ, shoulder ν, widening e, shears s_x and s_y, tilts τ_x and τ_y \[-\].
 pub(crate) type Modes<R> = [R; MODES];
 
-/// Least c and least 1 + 2νu.
-const LEAST: f64 = 0.25;
-/// Heights \[h\] and squared distances u up to which they vary at most.
-const FARTHEST: f64 = 8.0;
+/// Least c, 1 + 2νu and 1 + τy/b.
+pub(super) const LEAST: f64 = 0.25;
+/// Heights \[h\], squared distances u and places \[b\] up to which they vary at most.
+pub(super) const FARTHEST: f64 = 8.0;
 
 /// A deformation, in any unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +43,7 @@ pub(crate) struct Map<R> {
     within_source: [R; 2],
     /// u up to which 1 + 2νu varies.
     most: R,
+    tilt: Tilt<R>,
 }
 
 /// A source and the derivatives of the map to it.
@@ -62,6 +64,8 @@ pub(super) struct Source<R> {
     wide: [R; 3],
     /// 1/(1 + 2νu) and its derivatives by u.
     low: [R; 3],
+    /// The point without the tilt.
+    upright: Upright<R>,
 }
 
 impl<R: Real> Source<R> {
@@ -74,7 +78,7 @@ impl<R: Real> Source<R> {
 impl<R: Real> Map<R> {
     /// Of a body of these half-axes.
     pub(crate) fn new([a, b, height]: [f64; 3], modes: Modes<f64>) -> Self {
-        let [flattening, taper, shoulder, widening, across, along] = modes;
+        let [flattening, taper, shoulder, widening, across, along, tilts @ ..] = modes;
         let left = 1.0 - flattening;
         let turn = ((1.0 - LEAST) / taper.abs().max(1e-12)).min(FARTHEST);
         let within = if taper > 0.0 { [-turn, FARTHEST] } else { [-FARTHEST, turn] };
@@ -91,12 +95,15 @@ impl<R: Real> Map<R> {
             within: within.map(R::splat),
             within_source: source.map(R::splat),
             most: R::splat(most.min(FARTHEST)),
+            tilt: Tilt::new([a, b], tilts),
         }
     }
 
     /// The source of a point, from the middle of the base.
     #[inline(always)]
-    pub(super) fn source(&self, [x, y, z]: [R; 3]) -> Source<R> {
+    pub(super) fn source(&self, at: [R; 3]) -> Source<R> {
+        let upright = self.tilt.source(at);
+        let [x, y, z] = upright.place;
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let height = z / self.flattened / self.height;
         let within = height.max(self.within[0]).min(self.within[1]);
@@ -114,7 +121,7 @@ impl<R: Real> Map<R> {
             self.per_square[0] * inner[0] * inner[0] + self.per_square[1] * inner[1] * inner[1];
         let [wide, low] = self.shoulders(distance);
         let place = [inner[0] * wide[0], inner[1] * wide[0], inner[2] * low[0]];
-        Source { place, inner, height, section, slope, per_root, distance, wide, low }
+        Source { place, inner, height, section, slope, per_root, distance, wide, low, upright }
     }
 
     /// √(1 + νu) and 1/(1 + 2νu) with two derivatives by u.
@@ -153,11 +160,11 @@ impl<R: Real> Map<R> {
         let section = (one + two * self.taper * inner).sqrt();
         let t = two * inner / (one + section) + (height - inner) / section;
         let (root, up) = (section.sqrt() / wide, self.flattened * self.height * t);
-        [
+        self.tilt.image([
             x * root / self.narrowing[0] + self.shear[0] * up,
             y * root / self.narrowing[1] + self.shear[1] * up,
             up,
-        ]
+        ])
     }
 
     /// ∂(X, Y, Z)/∂(x₁, y₁, z₁), by rows.
@@ -182,7 +189,7 @@ impl<R: Real> Map<R> {
         })
     }
 
-    /// Derivatives of (x₁, y₁, z₁) by the point: x₁ by x and z, y₁ by y and z, z₁ by z.
+    /// Derivatives of (x₁, y₁, z₁) by the point without the tilt: x₁ by x and z, y₁ by y and z, z₁ by z.
     #[inline(always)]
     fn jacobian(&self, of: &Source<R>) -> [[R; 2]; 3] {
         let aside = R::splat(0.5) * of.slope / of.section;
@@ -197,7 +204,8 @@ impl<R: Real> Map<R> {
     #[cfg(test)]
     pub(super) fn whole_jacobian(&self, of: &Source<R>) -> [[R; 3]; 3] {
         let [[a, d], [b, e], [_, c]] = self.jacobian(of);
-        self.outer_jacobian(of).map(|[x, y, z]| [x * a, y * b, x * d + y * e + z * c])
+        let row = |[x, y, z]: [R; 3]| [x * a, y * b, x * d + y * e + z * c];
+        self.outer_jacobian(of).map(|outer| self.tilt.pulled(&of.upright, row(outer)))
     }
 
     /// A gradient by the source as one by (x₁, y₁, z₁).
@@ -210,6 +218,12 @@ impl<R: Real> Map<R> {
     /// A gradient by the source as one by the point.
     #[inline(always)]
     pub(super) fn pulled(&self, of: &Source<R>, g: [R; 3]) -> [R; 3] {
+        self.tilt.pulled(&of.upright, self.upright_gradient(of, g))
+    }
+
+    /// A gradient by the source as one by the point without the tilt.
+    #[inline(always)]
+    fn upright_gradient(&self, of: &Source<R>, g: [R; 3]) -> [R; 3] {
         let g = self.inner_gradient(of, g);
         let [x, y, z] = self.jacobian(of);
         [x[0] * g[0], y[0] * g[1], x[1] * g[0] + y[1] * g[1] + z[1] * g[2]]
@@ -219,7 +233,8 @@ impl<R: Real> Map<R> {
     #[inline(always)]
     pub(super) fn bent(&self, of: &Source<R>, block: Block<R>, g: [R; 3]) -> Block<R> {
         let inner = self.inner_block(of, block, g);
-        self.own_block(of, inner, self.inner_gradient(of, g))
+        let upright = self.own_block(of, inner, self.inner_gradient(of, g));
+        self.tilt.bent(&of.upright, upright, self.upright_gradient(of, g))
     }
 
     /// The second derivative by (x₁, y₁, z₁).
@@ -259,7 +274,7 @@ impl<R: Real> Map<R> {
         ]
     }
 
-    /// A second derivative by (x₁, y₁, z₁) as one by the point.
+    /// A second derivative by (x₁, y₁, z₁) as one by the point without the tilt.
     #[inline(always)]
     fn own_block(&self, of: &Source<R>, block: Block<R>, g: [R; 3]) -> Block<R> {
         let [[a, d], [b, e], [_, c]] = self.jacobian(of);
@@ -294,6 +309,7 @@ impl<R: Real> Map<R> {
             .map(|axis| -(inner[axis] * up * self.flattened * self.narrowing[axis] * of.per_root));
         let [wide, low] = [of.wide[0], of.low[0]];
         let along = half * (g[0] * x + g[1] * y) / wide;
+        let tilts = self.tilt.variation(&of.upright, self.upright_gradient(of, g));
         [
             (inner[2] * of.section * up - half * aside * (one + self.taper * per_section))
                 / self.flattened,
@@ -302,6 +318,8 @@ impl<R: Real> Map<R> {
             inner[1] * y - inner[0] * x,
             drag[0],
             drag[1],
+            tilts[0],
+            tilts[1],
         ]
     }
 }

@@ -3,13 +3,14 @@
 //! The maps keep the volume, point by point, and the plane of the base; the gauge of the deformed body is that of the body at rest at the source of a
 //! point. Nothing of the deformation is on the grid: the equilibrium finds its few numbers from the forces on the surface.
 //!
-//! `map` (the deformation and its derivatives) | `gauge` | `gel` (the energy).
+//! `map` (the deformation and its derivatives; its last part: `tilt`) | `gauge` | `gel` (the energy).
 
 mod gauge;
 mod gel;
 mod map;
 #[cfg(test)]
 mod tests;
+mod tilt;
 
 use super::half_ball::{HalfBall, HalfBallGauge};
 use super::traits::{Gauge, Geometry};
@@ -54,7 +55,7 @@ impl<S: Geometry> Deformed<S> {
 
     /// The same body with other numbers of its deformation.
     #[must_use]
-    pub fn with_modes(self, modes: [f64; 6]) -> Self {
+    pub fn with_modes(self, modes: [f64; MODES]) -> Self {
         Self { modes, ..self }
     }
 
@@ -64,9 +65,9 @@ impl<S: Geometry> Deformed<S> {
         &self.rest
     }
 
-    /// The numbers of the deformation: flattening, taper, shoulder, widening across, shears across and along the body \[-\].
+    /// The numbers of the deformation: flattening, taper, shoulder, widening across, shears and tilts across and along the body \[-\].
     #[must_use]
-    pub fn modes(&self) -> [f64; 6] {
+    pub fn modes(&self) -> [f64; MODES] {
         self.modes
     }
 
@@ -94,20 +95,6 @@ impl<S: Geometry> Deformed<S> {
         self.map::<f64>().image(of.to_array()).into()
     }
 
-    /// Height of the highest point of the surface, across and along the body \[mm\].
-    #[must_use]
-    pub fn top(&self) -> f64 {
-        let at = |k: u32| {
-            let angle = FRAC_PI_2 * f64::from(k) / 90.0;
-            let height = self.rest.half_axes().z * angle.cos();
-            let axis = self.rest.axis(height);
-            [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y].map(|direction| {
-                self.image((axis + self.rest.reach(angle, direction)).extend(height)).z
-            })
-        };
-        (0..=90).flat_map(at).fold(0.0, f64::max)
-    }
-
     /// Share of the body's volume towards +y from the centre of its base \[-\]: above, on a standing body. The part's volume is ∮ x·nₓ over its surface,
     /// since the cut and the base have no normal along x; by triangles, to 1e-3.
     #[must_use]
@@ -116,10 +103,7 @@ impl<S: Geometry> Deformed<S> {
         let directions: Vec<DVec2> = directions.collect();
         let circle = |step: usize| -> Vec<DVec3> {
             let angle = FRAC_PI_2 * step as f64 / CIRCLES as f64;
-            let height = self.rest.half_axes().z * angle.cos();
-            let axis = self.rest.axis(height);
-            let place = |way: &DVec2| (axis + self.rest.reach(angle, *way)).extend(height);
-            directions.iter().map(|way| self.image(place(way))).collect()
+            directions.iter().map(|way| self.image(self.rest.point(angle, *way))).collect()
         };
         let (mut upper, mut whole) = (0.0, 0.0);
         let mut above = circle(0);
@@ -139,7 +123,7 @@ impl<S: Geometry> Deformed<S> {
         upper / whole
     }
 
-    /// Factors of the widths of the base, and of lengths upright at the apex.
+    /// Factors of the widths of the base before the tilt, and of lengths upright at the apex.
     fn at_base(&self) -> DVec2 {
         let [flattening, _, shoulder, widening, ..] = self.modes;
         // u of the edge: u + νu² = 1.
@@ -148,16 +132,22 @@ impl<S: Geometry> Deformed<S> {
         DVec2::new(widening.exp(), (-widening).exp()) / wide.sqrt()
     }
 
+    /// Least and greatest factor of heights by the tilt, over a body with these parts of its half-axes.
+    fn risen(&self, wide: f64) -> [f64; 2] {
+        let [.., across, along] = self.modes;
+        [-1.0, 1.0].map(|side| {
+            let rise = |tilt: f64| (1.0 + side * 2.0 * wide * tilt.abs()).max(0.1).sqrt();
+            rise(across) * rise(along)
+        })
+    }
+
     /// Greatest half of the width and of the height of the body \[mm\].
     #[must_use]
     pub fn greatest_half_axes(&self) -> DVec2
     where
         Self: Geometry,
     {
-        let at = |k: i32| {
-            let angle = FRAC_PI_2 * f64::from(k) / 45.0;
-            DVec2::new(self.reach(angle, DVec2::X).x, self.reach(angle, DVec2::Y).y)
-        };
+        let at = |k: i32| self.half_widths(FRAC_PI_2 * f64::from(k) / 45.0);
         (0..=45).map(at).fold(DVec2::ZERO, DVec2::max)
     }
 }
@@ -197,9 +187,16 @@ impl Deformed<HalfBall> {
 }
 
 impl Geometry for Deformed<HalfBall> {
+    /// Of a tilted base, which reaches further on its thin side, the half of both.
     fn half_axes(&self) -> DVec3 {
-        let wide = self.rest.half_axes().truncate() * self.at_base();
-        wide.extend(self.apex().z)
+        let [.., across, along] = self.modes;
+        let reach = |wide: f64, tilt: f64| {
+            let side = |tilt: f64| wide / (1.0 + (1.0 + 2.0 * tilt * wide).max(0.0).sqrt());
+            side(tilt) + side(-tilt)
+        };
+        let wide = self.at_base();
+        let wide = DVec2::new(reach(wide.x, across), reach(wide.y, along));
+        (self.rest.half_axes().truncate() * wide).extend(self.apex().z)
     }
 
     fn reference_length(&self) -> f64 {
@@ -231,7 +228,59 @@ impl Geometry for Deformed<HalfBall> {
 
     fn mirrored(&self) -> [bool; 2] {
         let rest = self.rest.mirrored();
-        [0, 1].map(|axis| rest[axis] && self.modes[4 + axis] == 0.0 && self.weight[axis] == 0.0)
+        [0, 1].map(|axis| {
+            rest[axis]
+                && self.modes[4 + axis] == 0.0
+                && self.modes[6 + axis] == 0.0
+                && self.weight[axis] == 0.0
+        })
+    }
+
+    /// Over the unit disc of places at rest, from the best of some places by steps in eight directions that halve.
+    fn top(&self) -> f64 {
+        let height = |at: DVec2| {
+            let way = at.normalize_or(DVec2::X);
+            self.point(at.length().min(1.0).asin(), way).z
+        };
+        let higher = |best: (f64, DVec2), at: DVec2| {
+            let found = height(at);
+            if found > best.0 { (found, at) } else { best }
+        };
+        let way = |turn: u32, of: u32| DVec2::from_angle(TAU * f64::from(turn) / f64::from(of));
+        let some = (0..48).map(|k| way(k % 12, 12) * f64::from(k / 12) * 0.25);
+        let mut best = some.fold((0.0, DVec2::ZERO), higher);
+        let mut step = 0.12;
+        while step > 1e-6 {
+            let from = best.0;
+            best = (0..8).map(|turn| best.1 + step * way(turn, 8)).fold(best, higher);
+            step *= if best.0 > from { 1.0 } else { 0.5 };
+        }
+        best.0
+    }
+
+    /// The image of the line at rest.
+    fn point(&self, angle: f64, direction: DVec2) -> DVec3 {
+        self.image(self.rest.point(angle, direction))
+    }
+
+    /// By bisection: below the highest point the line falls.
+    fn angle_at(&self, height: f64, direction: DVec2) -> f64 {
+        if height <= 0.0 {
+            return FRAC_PI_2;
+        }
+        let (mut above, mut below) = (0.0, FRAC_PI_2);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (above + below);
+            let is_above = self.point(middle, direction).z > height;
+            *(if is_above { &mut above } else { &mut below }) = middle;
+        }
+        below
+    }
+
+    /// Of a tilted body, which reaches further on its thin side, the half of both.
+    fn half_widths(&self, angle: f64) -> DVec2 {
+        let whole = |axis: DVec2| (self.reach(angle, axis) - self.reach(angle, -axis)).dot(axis);
+        0.5 * DVec2::new(whole(DVec2::X), whole(DVec2::Y))
     }
 
     /// By bisection along the image of the direction.
@@ -242,7 +291,7 @@ impl Geometry for Deformed<HalfBall> {
         let is_inside = |factor: f64| {
             gauge.length_squared((middle + way * factor).extend(height).to_array()) < 1.0
         };
-        let (mut inside, mut outside) = (0.0, 2.0);
+        let (mut inside, mut outside) = (0.0, 4.0);
         for _ in 0..STEPS {
             let factor = 0.5 * (inside + outside);
             *(if is_inside(factor) { &mut inside } else { &mut outside }) = factor;
@@ -268,7 +317,7 @@ impl Geometry for Deformed<HalfBall> {
     }
 
     fn rim_radius(&self) -> f64 {
-        let up = 1.0 - self.modes[0];
+        let up = (1.0 - self.modes[0]) * self.risen(1.0)[0];
         self.rest.rim_radius() * up * up / self.at_base().max_element()
     }
 }
@@ -284,7 +333,7 @@ impl Deformed<HalfBall> {
 
     /// Bounds of the factor of lengths by the map, over the body: from the greatest parts of the gradient.
     fn stretches(&self) -> [f64; 2] {
-        let [flattening, taper, shoulder, widening, across, along] = self.modes;
+        let [flattening, taper, shoulder, widening, lean @ ..] = self.modes;
         let left = 1.0 - flattening;
         let [least, most, _] = self.sections();
         let sections = [least, most];
@@ -296,7 +345,10 @@ impl Deformed<HalfBall> {
         let ups = [left / sections[1] / steep, left / sections[0] * steep];
         let slender = self.rest.greatest_length() / self.rest.least_length();
         let bow = slender * (taper.abs() + 4.0 * shoulder.abs()) * widths[1];
-        let lean = 1.0 + across.abs() + along.abs() + bow;
-        [widths[0].min(ups[0]) / lean, widths[1].max(ups[1]) * lean]
+        let lean = 1.0 + lean.iter().map(|part| part.abs()).sum::<f64>() + bow;
+        let [low, high] = self.risen(widths[1]);
+        let (least, most) =
+            ((widths[0] / high).min(ups[0] * low), (widths[1] / low).max(ups[1] * high));
+        [least / lean, most * lean]
     }
 }

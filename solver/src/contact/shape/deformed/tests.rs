@@ -22,6 +22,8 @@ fn soft() -> impl Iterator<Item = Deformed<HalfBall>> {
                 0.1 * random(3.0),
                 0.15 * random(4.0),
                 0.15 * random(5.0),
+                0.15 * random(7.0),
+                0.2 * random(8.0),
             ];
             Deformed::at_rest(rest, 20.0).with_modes(modes)
         })
@@ -60,39 +62,31 @@ fn a_source_returns_to_its_image_and_no_volume_changes() {
     }
 }
 
-/// The volume inside of the gauge, section by section: ½∮r²dφ with r where the gauge is zero, by bisection.
+/// The volume inside of the gauge by rays from the middle of the base: ⅓∮∫r³ du dφ, u the cosine of the angle to the base's normal, r by bisection.
 #[test]
 fn the_volume_inside_of_the_gauge_is_that_at_rest() {
     for shape in soft().filter(|shape| shape.rest.onto_ball().is_some()) {
         let gauge = shape.gauge::<f64>();
-        let top = shape.half_axes().z;
-        let area = |height: f64| {
-            let middle = shape.axis(height);
-            let radius = |angle: f64| {
-                let direction = DVec2::from_angle(angle);
-                let (mut inside, mut outside) = (0.0, 200.0);
-                for _ in 0..60 {
-                    let radius = 0.5 * (inside + outside);
-                    let at = middle + direction * radius;
-                    let is_inside = gauge.length_squared(at.extend(height).to_array()) < 1.0;
-                    *(if is_inside { &mut inside } else { &mut outside }) = radius;
-                }
-                inside
-            };
-            let turns = 128;
-            let sum: f64 =
-                (0..turns).map(|k| radius(TAU * f64::from(k) / f64::from(turns)).powi(2)).sum();
-            0.5 * sum * TAU / f64::from(turns)
+        let radius = |direction: DVec3| {
+            let (mut inside, mut outside) = (0.0, 200.0);
+            for _ in 0..60 {
+                let radius = 0.5 * (inside + outside);
+                let is_inside = gauge.length_squared((direction * radius).to_array()) < 1.0;
+                *(if is_inside { &mut inside } else { &mut outside }) = radius;
+            }
+            inside
         };
-        // ∫ A dz with z = top·sin²: the integrand ends like a smooth periodic function.
-        let steps = 256;
-        let volume: f64 = (0..steps)
-            .map(|k| {
-                let angle = PI * (f64::from(k) + 0.5) / f64::from(steps);
-                let (u, du) = tanh_sinh(angle / PI);
-                area(top * u) * top * du / f64::from(steps)
-            })
-            .sum();
+        let (steps, turns) = (256, 128);
+        let mut volume = 0.0;
+        for step in 0..steps {
+            let (u, du) = tanh_sinh((f64::from(step) + 0.5) / f64::from(steps));
+            let across = (1.0 - u * u).max(0.0).sqrt();
+            for turn in 0..turns {
+                let way = DVec2::from_angle(TAU * f64::from(turn) / f64::from(turns));
+                let share = du * TAU / f64::from(steps * turns) / 3.0;
+                volume += radius((across * way).extend(u)).powi(3) * share;
+            }
+        }
         let error = volume / shape.rest.volume() - 1.0;
         assert!(error.abs() < 1e-11, "{error} {:?}", shape.modes);
     }
@@ -191,6 +185,19 @@ fn lines_and_sizes_of_a_deformed_body_lie_on_its_surface() {
         let length = |at: DVec3| gauge.length(at.to_array()).0;
         let half = shape.half_axes();
         assert!((length(shape.apex()) - 1.0).abs() < 1e-12);
+        let mut highest = 0.0_f64;
+        for turn in 0..64 {
+            let direction = DVec2::from_angle(TAU * f64::from(turn) / 64.0);
+            for k in 0..=60 {
+                let at = shape.point(FRAC_PI_2 * f64::from(k) / 60.0, direction);
+                assert!((length(at) - 1.0).abs() < 1e-9, "{} {k}", length(at));
+                highest = highest.max(at.z);
+            }
+            let low = shape.point(shape.angle_at(0.4 * half.z, direction), direction);
+            assert!((low.z - 0.4 * half.z).abs() < 1e-9);
+        }
+        assert!((shape.top() / highest - 1.0).abs() < 5e-4, "{} {highest}", shape.top());
+        assert!(shape.top() >= highest - 1e-9);
         for k in 0..=20 {
             let angle = FRAC_PI_2 * f64::from(k) / 20.0;
             let height = half.z * angle.cos();
@@ -200,10 +207,11 @@ fn lines_and_sizes_of_a_deformed_body_lie_on_its_surface() {
                 assert!((length(at) - 1.0).abs() < 1e-7, "{} {angle}", length(at));
             }
         }
-        let edge =
-            DVec2::new(shape.reach(FRAC_PI_2, DVec2::X).x, shape.reach(FRAC_PI_2, DVec2::Y).y);
-        assert!((edge - half.truncate()).length() < 1e-9);
-        assert!(shape.greatest_half_axes().cmpge(edge).all());
+        let reach = |direction: DVec2| shape.reach(FRAC_PI_2, direction).dot(direction);
+        let edge = DVec2::new(reach(DVec2::X), reach(DVec2::Y));
+        let other = DVec2::new(reach(DVec2::NEG_X), reach(DVec2::NEG_Y));
+        assert!((0.5 * (edge + other) - half.truncate()).length() < 1e-9);
+        assert!(shape.greatest_half_axes().cmpge(half.truncate() - 1e-9).all());
         let rest = Deformed::at_rest(shape.rest, 20.0);
         assert!((rest.half_axes() - shape.rest.half_axes()).length() < 1e-12);
         assert!((rest.apex_radius() / shape.rest.apex_radius() - 1.0).abs() < 1e-12);
@@ -237,8 +245,13 @@ fn the_upper_share_is_that_of_points_in_the_body_and_a_half_of_a_body_alike_to_b
         );
     }
     let mut alike = Deformed::at_rest(HalfBall::round(60.0, 40.0), 20.0);
-    alike.modes = [0.2, 0.1, 0.05, 0.03, 0.1, 0.0];
+    alike.modes = [0.2, 0.1, 0.05, 0.03, 0.1, 0.0, 0.0, 0.0];
     assert!((alike.upper_share() - 0.5).abs() < 1e-12);
+    alike.modes[6] = 0.08;
+    assert!((alike.upper_share() - 0.5).abs() < 1e-4);
+    // Thinner above, emptier above.
+    alike.modes[7] = -0.05;
+    assert!(alike.upper_share() < 0.49, "{}", alike.upper_share());
     let fuller_below = Deformed::at_rest(HalfBall::round(60.0, 40.0).anatomical(60.0, 18.0), 20.0);
     assert!(fuller_below.upper_share() < 0.48, "{}", fuller_below.upper_share());
 }
@@ -285,7 +298,7 @@ fn a_weight_shears_a_standing_body_and_flattens_a_lying_one() {
     let step = |weight: DVec3| {
         let gel = Deformed::at_rest(rest, 30.0).of_weight(weight).gel();
         let balance = gel.balance([0.0; MODES]);
-        [0, 1, 2, 3, 4, 5].map(|k| -balance.forces[k] / balance.stiffness[k][k])
+        std::array::from_fn::<f64, MODES, _>(|k| -balance.forces[k] / balance.stiffness[k][k])
     };
     let standing = step(DVec3::new(0.0, -9.5e-3, 0.0));
     let shear = -9.5e-3 * (3.0 / 8.0 * 40.0) / (30.0 / 3.0);
