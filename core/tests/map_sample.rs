@@ -83,6 +83,39 @@ fn the_opening_range_is_known_from_70_points() {
     }
 }
 
+/// Thirteen of the lattice's 25 points give a first map, whose errors are stated; the points that are solved do not depend on it.
+#[test]
+fn half_of_the_lattice_gives_a_first_map_with_errors() {
+    let mut map = map(["base_width_mm=100:140:20", "projection_mm=25:50:20"]).sampled();
+    let mut store = Cases::default();
+    while map.scenes_solved() < 13 {
+        assert!(map.interpolated(Quantity::GreatestStrain, 1, 1).is_none());
+        let (index, job) = map.next_job(&mut store).unwrap();
+        map.receive(index, evaluate(&job), &mut store);
+    }
+    assert!(map.scenes_solved() <= 14);
+    use Quantity as Q;
+    let quantities = [Q::GreatestStrain, Q::LeastCoverMm, Q::ForceN, Q::MeanPressureKpa];
+    let first: Vec<_> = points(&map)
+        .filter(|(i, j)| map.case(*i, *j).is_none())
+        .map(|(i, j)| (i, j, quantities.map(|q| map.interpolated(q, i, j).unwrap())))
+        .collect();
+    assert!(first.iter().all(|&(i, j, _)| map.status(i, j) == PointStatus::Waiting));
+    assert!(first.iter().all(|&(i, j, _)| map.source(i, j).is_none()));
+    let map = run(map, 1, evaluate);
+    for (k, quantity) in quantities.into_iter().enumerate() {
+        let (mut greatest, mut within) = (0.0_f64, 0);
+        for (i, j, values) in &first {
+            let (value, error) = values[k];
+            let found = map.value(quantity, *i, *j).unwrap();
+            greatest = greatest.max((value / found - 1.0).abs());
+            within += usize::from((value - found).abs() <= error);
+        }
+        let within = within as f64 / first.len() as f64;
+        assert!(greatest < 0.03 && within > 0.9, "{quantity:?}: {greatest} {within}");
+    }
+}
+
 #[test]
 fn the_border_of_no_answer_is_found() {
     let new = || map(["base_width_mm=78:180:20", "projection_mm=20:75:20"]);

@@ -431,6 +431,7 @@ impl Study for Map {
     fn receive(&mut self, job: usize, cases: Vec<Case>, store: &mut Cases) {
         if !self.receive_border(job, &cases, store) {
             self.queue.receive(job, cases, store);
+            self.preview();
             self.update_border();
         }
     }

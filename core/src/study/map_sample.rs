@@ -1,6 +1,6 @@
 //! A map from some of its points: solved where the quantities bend, interpolated between.
 //!
-//! A lattice is solved first. A smooth function of each quantity goes through the solved points ([`Surface`]), and a less smooth one;
+//! A lattice is solved first, every other point of it at the beginning, which give a first map with errors. A smooth function of each quantity goes through the solved points ([`Surface`]), and a less smooth one;
 //! where both differ most, relative to the quantity's aim, further points are solved, round by round. Points at the border of no answer
 //! are solved too, those farthest from solved ones first, which halves the way between a point with and one without an answer. A round
 //! begins once all points of the one before are solved, so that the points do not depend on the number of threads.
@@ -77,6 +77,9 @@ fn aim(quantity: Quantity) -> Option<f64> {
 pub(super) struct Sample {
     is_wanted: bool,
     is_concluded: bool,
+    /// The first points of the lattice, which give a first function of the whole map; empty once they did.
+    first: Vec<usize>,
+    is_lattice_solved: bool,
     /// Number of points solved at the border of no answer.
     of_border: usize,
     /// Values, errors and what these are relative to, by point and quantity; not a number where nothing is known, empty at first.
@@ -125,20 +128,25 @@ impl Map {
             return self;
         }
         // Between even steps and those of Chebyshev: extrapolation costs more than interpolation.
-        let lattice = |along: Vec<f64>| -> Vec<bool> {
-            let mut is_in = vec![along.len() == 1; along.len()];
+        let lattice = |along: Vec<f64>| -> Vec<Option<usize>> {
+            let mut number = vec![(along.len() == 1).then_some(0); along.len()];
             for k in 0..count {
                 let even = 2.0 * k as f64 / (count - 1) as f64 - 1.0;
                 let at = 0.5 * even + 0.5 * (0.5 * std::f64::consts::PI * even).sin();
                 let distance = |k: &usize| (along[*k] - at).abs();
                 let nearest = (0..along.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-                nearest.into_iter().for_each(|nearest| is_in[nearest] = true);
+                nearest.into_iter().for_each(|nearest| number[nearest] = Some(k));
             }
-            is_in
+            number
         };
         let [is, js] = [0, 1].map(|axis| lattice(self.along(axis)));
+        let number = |item: &usize| Some(is[item % columns]? + js[item / columns]?);
+        // Every other point first: they cover the whole map and determine the smooth function.
+        let is_first = |item: &usize| number(item).is_some_and(|number| number.is_multiple_of(2));
         let mut order = self.order();
-        order.retain(|item| is[item % columns] && js[item / columns]);
+        order.retain(|item| number(item).is_some());
+        order.sort_by_key(|item| !is_first(item));
+        self.sample.first = order.iter().copied().filter(is_first).collect();
         self.queue = super::queue::Queue::new(order);
         self.sample.is_wanted = true;
         self
@@ -176,13 +184,28 @@ impl Map {
         found.is_some_and(|[_, error, scale]| error <= most * scale)
     }
 
+    /// Interpolates all quantities from the first points of the lattice, once all of them are solved: the whole map is known early, with
+    /// errors. The points to solve do not depend on it.
+    pub(super) fn preview(&mut self) {
+        let is_solved = |item: &usize| self.queue.case(*item).is_some();
+        if !self.sample.first.is_empty() && self.sample.first.iter().all(is_solved) {
+            self.sample.first.clear();
+            self.mark_invalid();
+            let near = self.nearest();
+            self.estimate(&near);
+        }
+    }
+
     /// Adds points to solve once all chosen ones are solved; returns whether there are any. The end: the states of the others.
     pub(super) fn refine(&mut self) -> bool {
         let (done, all) = self.queue.progress();
         if !self.sample.is_open() || done < all {
             return false;
         }
-        self.mark_invalid();
+        if !self.sample.is_lattice_solved {
+            self.mark_invalid();
+        }
+        (self.sample.is_lattice_solved, self.sample.first) = (true, Vec::new());
         let near = self.nearest();
         let Some(needs) = self.estimate(&near) else {
             // Too few answers for a function: all points are solved.
@@ -200,12 +223,11 @@ impl Map {
         !picks.is_empty()
     }
 
-    /// Marks the points out of the limits of a scene, if the lattice has one.
+    /// Marks the points out of the limits of a scene, if a solved point of the lattice is one.
     fn mark_invalid(&mut self) {
         let columns = self.shape().0;
         let is_invalid = |case: &Case| case.status.is_none();
-        let is_first = self.sample.values.is_empty();
-        if !is_first || !self.queue.cases().iter().flatten().any(is_invalid) {
+        if !self.queue.cases().iter().flatten().any(is_invalid) {
             return;
         }
         for item in 0..self.queue.cases().len() {
