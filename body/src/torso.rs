@@ -1,6 +1,7 @@
 //! The built-in torso of a woman, shaped by what a tape measures.
 //!
-//! The front of a trunk from the MakeHuman base mesh (CC0 1.0; no person), symmetric, 5722 vertices, quantised to 0.05 mm. A tape's numbers move
+//! The front of a trunk from the MakeHuman base mesh (CC0 1.0; no person), symmetric, 5722 vertices, quantised to 0.05 mm. Shoulders and
+//! stumps of arms are drawn beside it and are no part of it: they are no chest. A tape's numbers move
 //! the mound of the breast over the bare chest: the chest widens as a whole, then the mound, skin less bare chest of a [fit], is
 //! moved across with the nipple, stretched across, and scaled to its volume, on a trunk as long as the way from
 //! notch to nipple asks for. The tape's own numbers leave every vertex as it is.
@@ -8,7 +9,7 @@
 use crate::chest::solved;
 use crate::fit::{self, BodyFit, FitError, Settings};
 use crate::grid::smooth_step;
-use crate::half;
+use crate::half::{self, mirrored};
 use crate::marks::{BreastMarks, Marks, Side};
 use crate::surface::Surface;
 use glam::{DVec2, DVec3};
@@ -78,25 +79,13 @@ impl Tape {
     };
 }
 
+/// The vertices of the built-in torso on the bumps of its nipples, left and right, 5 mm above the marks: the middle of a drawn areola.
+pub const NIPPLES: [usize; 2] = [4936, 2085];
+
 /// The built-in torso.
 #[must_use]
 pub fn builtin() -> Torso {
-    let (right, triangles) = half::read();
-    let count = right.len();
-    let mut positions = right;
-    let mut image = Vec::with_capacity(count);
-    for k in 0..count {
-        let at = positions[k];
-        if at.x == 0.0 {
-            image.push(k as u32);
-        } else {
-            image.push(positions.len() as u32);
-            positions.push(mirrored(at));
-        }
-    }
-    let left = triangles.iter().map(|&[a, b, c]| [a, c, b].map(|k| image[k as usize]));
-    let triangles = triangles.iter().copied().chain(left).collect();
-    Torso { surface: Surface { positions, triangles, colors: None }, marks: marks() }
+    Torso { surface: half::both_halves(half::TRUNK), marks: marks() }
 }
 
 /// The marks of the built-in torso.
@@ -116,11 +105,6 @@ fn marks() -> Marks {
         nipples: [nipple, mirrored(nipple)],
         breasts: both(left),
     }
-}
-
-/// The image in the midplane.
-fn mirrored(at: DVec3) -> DVec3 {
-    DVec3::new(-at.x, at.y, at.z)
 }
 
 /// The marks of a left breast and of its image.
@@ -311,8 +295,19 @@ fn chest_width(torso: &Torso) -> f64 {
 /// # Errors
 /// Those of [`fit::fit`].
 pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
+    let (torso, _, found) = shaped_with_arms(tape)?;
+    Ok((torso, found))
+}
+
+/// As [`shaped`], with the shoulders and stumps of arms that are drawn beside the trunk. They are no chest: neither a fit nor proposed marks
+/// have them.
+///
+/// # Errors
+/// As [`shaped`].
+pub fn shaped_with_arms(tape: &Tape) -> Result<(Torso, Surface, Tape), FitError> {
+    let mut arms = half::both_halves(half::ARM);
     if *tape == Tape::OWN {
-        return Ok((builtin(), Tape::OWN));
+        return Ok((builtin(), arms, Tape::OWN));
     }
     let wide = tape.chest_width_mm / Tape::OWN.chest_width_mm;
     let mut long = 1.0;
@@ -328,6 +323,7 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
         trunk += 1;
         let missing = tape.notch_nipple_mm - found.notch_nipple_mm;
         if trunk == TRUNKS || missing.abs() < NEAR_MM {
+            arms.positions.iter_mut().for_each(|at| *at *= scale);
             break (torso, mound, shape, found);
         }
         // A longer way from notch to nipple is a longer trunk.
@@ -335,7 +331,7 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
         let missing = missing * found.notch_nipple_mm / down;
         long = (long * (1.0 + missing / down)).clamp(LONG[0], LONG[1]);
     };
-    for at in &mut torso.surface.positions {
+    for at in torso.surface.positions.iter_mut().chain(&mut arms.positions) {
         *at = match at.x {
             x if x < 0.0 => mirrored(mound.vertex(&shape, mirrored(*at))),
             0.0 => mound.vertex(&shape, *at).with_x(0.0),
@@ -353,7 +349,7 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
     };
     torso.marks.nipples = [at(nipple), mirrored(at(nipple))];
     torso.marks.breasts = both(left);
-    Ok((torso, found))
+    Ok((torso, arms, found))
 }
 
 impl Mound {
@@ -411,6 +407,24 @@ mod tests {
             let nipple = marks.nipple(side);
             let nearest = surface.positions.iter().map(|at| at.distance(nipple));
             assert!(nearest.fold(f64::INFINITY, f64::min) < 4.0);
+        }
+    }
+
+    /// Each vertex of the trunk's border at an arm is one of the arm's, under any tape.
+    #[test]
+    fn arms_go_on_from_the_trunk_and_nipples_are_its_bumps() {
+        let wide = Tape { chest_width_mm: 290.0, breast_volume_ml: 420.0, ..Tape::OWN };
+        for tape in [Tape::OWN, wide] {
+            let (Torso { surface, marks }, arms, _) = shaped_with_arms(&tape).unwrap();
+            assert_eq!(arms.positions.len(), 252);
+            let bits = |at: &DVec3| at.to_array().map(f64::to_bits);
+            let trunk: std::collections::HashSet<_> = surface.positions.iter().map(bits).collect();
+            let common = arms.positions.iter().filter(|at| trunk.contains(&bits(at))).count();
+            assert_eq!(common, 2 * 57, "{tape:?}");
+            for (nipple, mark) in NIPPLES.into_iter().zip(marks.nipples) {
+                let away = surface.positions[nipple] - mark;
+                assert!(away.y > 4.0 && away.length() < 7.0, "{away}");
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use super::thickness::FACTORS;
 use super::{Field, Scene, SceneError, ThicknessGrid, field, out_of_range, problem};
 use crate::body::fit::{BodyFit, FitError, Settings, fit_known};
 use crate::body::marks::Side;
+use crate::body::surface::Surface;
 use crate::body::torso::{self, Tape};
 use crate::curve::{number, present};
 use schemars::JsonSchema;
@@ -80,8 +81,8 @@ impl Torso {
     /// No chest is found under its breast: none within the limits.
     pub fn shaped(&self) -> Result<Arc<Shaped>, FitError> {
         SHAPED.of(*self, || {
-            let (torso, tape) = torso::shaped(&self.tape())?;
-            Ok(Shaped { torso, tape })
+            let (torso, arms, tape) = torso::shaped_with_arms(&self.tape())?;
+            Ok(Shaped { torso, arms, tape })
         })
     }
 
@@ -111,6 +112,8 @@ impl Torso {
 pub struct Shaped {
     /// Its surface and its marks.
     pub torso: torso::Torso,
+    /// Its shoulders and stumps of arms, which are drawn beside it.
+    pub arms: Surface,
     /// The numbers that it has: others where no such torso is within the ranges of its moves and stretches.
     pub tape: Tape,
 }

@@ -102,10 +102,12 @@ impl Torso {
     /// The built-in torso as a plan has it for its chest: both halves are mirror images, and each vertex moves with the column at its depth.
     #[must_use]
     pub fn of_torso(fitted: &FittedTorso) -> Self {
-        let torso::Torso { surface, marks } = &fitted.shaped.torso;
+        let trunk = &fitted.shaped.torso.surface;
+        let nipples = torso::NIPPLES.map(|k| trunk.positions[k]);
+        let surface = joined(trunk, &fitted.shaped.arms);
         let own = &fitted.fit.frame;
         let frame = upright(own, DVec3::Y);
-        let mut torso = Self::of_surface(surface, frame, DVec3::Z, Some(&marks.nipples));
+        let mut torso = Self::of_surface(&surface, frame, DVec3::Z, Some(&nipples));
         let hands = [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0)];
         for (side, hand) in hands.into_iter().enumerate() {
             let of = |(k, at): (usize, &DVec3)| Point {
@@ -246,6 +248,17 @@ fn upright(frame: &Frame, head: DVec3) -> Frame {
     let front = frame.axes.z_axis.reject_from_normalized(head).normalize_or(DVec3::Z);
     let across = head.cross(front) * frame.handedness();
     Frame { axes: DMat3::from_cols(across, head, front), ..*frame }
+}
+
+/// Two surfaces without colours as one, the vertices of the first one first.
+fn joined(one: &Surface, other: &Surface) -> Surface {
+    let first = one.positions.len() as u32;
+    let others = other.triangles.iter().map(|triangle| triangle.map(|k| first + k));
+    Surface {
+        positions: [&one.positions[..], &other.positions].concat(),
+        triangles: one.triangles.iter().copied().chain(others).collect(),
+        colors: None,
+    }
 }
 
 /// Place of a vertex \[mm\].
