@@ -307,3 +307,54 @@ fn glb_has_several_meshes_and_indices_of_any_width_or_none() {
     assert_eq!((found.surface.positions.len(), found.surface.colors), (8, None));
     assert_eq!(found.surface.positions[5], DVec3::new(-f64::from(0.3_f32) * 1000.0, 0.0, 0.0));
 }
+
+/// A file of a phone with a texture: colours of vertices are kept and written, a texture is left out with a line.
+#[test]
+fn glb_keeps_colours_of_vertices_and_leaves_a_texture_out() {
+    let (mut json, data) = (phone_json(), phone_data());
+    json["textures"] = serde_json::json!([{ "source": 0 }]);
+    json["images"] = serde_json::json!([{ "uri": "skin.png" }]);
+    let plain = "The colours of the texture are left out.";
+    let has_line = |notes: &[String]| notes.iter().any(|note| note == plain);
+    let attributes = json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap();
+    attributes.remove("COLOR_0");
+    let found = read(&glb(&json, &data), "").unwrap();
+    assert_eq!((found.surface.colors, found.cleaned.has_texture), (None, true));
+    assert!(has_line(&found.cleaned.notes()), "{:?}", found.cleaned.notes());
+    // Bytes, words and numbers that stand for fractions of linear light, with and without an opacity.
+    let count = found.surface.positions.len();
+    let light = [1.0_f32, 0.5, 0.0, 0.25];
+    for (kind, width) in [(5121, 3), (5121, 4), (5123, 4), (5126, 3)] {
+        let (mut json, mut data) = (json.clone(), data.clone());
+        data.resize(data.len().next_multiple_of(4), 0);
+        let start = data.len();
+        for part in (0..count).flat_map(|_| &light[..width]) {
+            match kind {
+                5121 => data.push((part * 255.0).round() as u8),
+                5123 => data.extend(((part * 65535.0).round() as u16).to_le_bytes()),
+                _ => data.extend(part.to_le_bytes()),
+            }
+        }
+        let view = json["bufferViews"].as_array().unwrap().len();
+        let length = data.len() - start;
+        json["bufferViews"]
+            .as_array_mut()
+            .unwrap()
+            .push(serde_json::json!({ "buffer": 0, "byteOffset": start, "byteLength": length }));
+        let accessor = json["accessors"].as_array().unwrap().len();
+        json["accessors"].as_array_mut().unwrap().push(serde_json::json!({
+            "bufferView": view, "componentType": kind, "type": format!("VEC{width}"),
+            "count": count, "normalized": kind != 5126,
+        }));
+        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor.into();
+        json["buffers"][0]["byteLength"] = data.len().into();
+        let found = read(&glb(&json, &data), "").unwrap();
+        let colors = vec![[255, 188, 0]; count];
+        assert_eq!(found.surface.colors.as_ref(), Some(&colors), "{kind} {width}");
+        assert!(!has_line(&found.cleaned.notes()));
+        for format in [Format::Ply, Format::Obj, Format::Glb] {
+            let again = read(&write(&found.surface, found.unit, format), "").unwrap();
+            assert_eq!(again.surface.colors.as_ref(), Some(&colors), "{format:?}");
+        }
+    }
+}
