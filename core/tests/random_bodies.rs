@@ -172,6 +172,7 @@ fn three_hundred_random_bodies() {
         found.bodies_with_turned
     );
     assert!(found.refused.is_empty() && found.converged >= 299);
+    assert_eq!(found.turned_triangles, 0, "{} bodies", found.bodies_with_turned);
 }
 
 /// Any rigid motion of file and marks gives the same scene.
