@@ -25,6 +25,21 @@ fn random_patients_with_everything_converge_by_multigrid() {
     assert!(units[10] < 400.0 && units[19] < 1300.0, "{units:?}");
 }
 
+/// Skin with strain scales of 0.16 and 0.25 over wide saline implants: where the numbers step once a cycle, whatever the tissue still changes, no attempt
+/// has a shape.
+#[test]
+fn saline_under_tight_skin_waits_for_the_tissue() {
+    let filled =
+        Clinical { has_terrain: true, has_fill: true, nodes_per_side: 33, ..Clinical::default() };
+    let everything = Clinical { nodes_per_side: 33, ..Clinical::with_everything() };
+    for scene in [filled.scene(17, 10), everything.scene(5, 106)] {
+        let outcome = solved(&scene);
+        let by = (outcome.status, outcome.solver.method);
+        assert_eq!(by, (Status::Converged, SolverMethod::Multigrid));
+        assert!(outcome.implant_in_body.unwrap().deformation.flattening > 0.4);
+    }
+}
+
 /// Growth ends where skin under an uneven tension would flow, and the result says where; under an even tension it does not end.
 #[test]
 fn growth_beyond_what_uneven_skin_resists_is_told() {

@@ -46,7 +46,7 @@ use crate::mesh::lanes::Mirrored;
 use crate::springs::{Material, Springs};
 use fas::Stop;
 use glam::DVec3;
-use multigrid::{Law, Multigrid};
+use multigrid::{Attempt, Law, Multigrid};
 use newton::Start;
 use newton_method::NewtonMethod;
 use std::sync::Arc;
@@ -63,6 +63,8 @@ pub struct Solver {
     stage: Stage,
     /// Attempts of this solve: multigrid with one set of constants after the other, Newton's method as the fallback.
     attempts: u32,
+    /// The present one of multigrid.
+    attempt: Attempt,
     /// Solves in a row that continued from the one before.
     continued: u32,
     growths: growth::Growths,
@@ -128,6 +130,7 @@ impl Solver {
             newton: None,
             stage: Stage::Newton,
             attempts: 1,
+            attempt: Attempt::FIRST,
             continued: 0,
             growths: growth::Growths::default(),
             seal: seal::Seal::default(),
@@ -216,7 +219,7 @@ impl Solver {
     fn start(&mut self) {
         self.verdict = Verdict::NotConverged;
         self.progress = Progress::Working;
-        (self.attempts, self.continued) = (1, 0);
+        (self.attempts, self.attempt, self.continued) = (1, Attempt::FIRST, 0);
         self.growths = growth::Growths::default();
         self.unseal();
         self.newton_work_before_growth = 0.0;
@@ -385,7 +388,7 @@ impl Solver {
                 self.keep_shape();
                 let stop = self.stop();
                 if let Some(multigrid) = &mut self.multigrid
-                    && multigrid.start_again(&self.problem, stop, self.attempts)
+                    && multigrid.start_again(&self.problem, stop, &mut self.attempt)
                 {
                     return state;
                 }

@@ -20,6 +20,21 @@ use std::sync::Arc;
 /// The most attempts for layered tissue over a chest or of uneven thickness.
 const MOST_ATTEMPTS: u32 = 10;
 
+/// Change of the tissue in a cycle, by the last move of an implant that yields, up to which its numbers step in the second and third round of
+/// attempts \[-\]. Saline under tight skin: of four patients two need the one, one the other.
+const PATIENCE: [f64; 2] = [1.0, 0.6];
+
+/// An attempt: how many rounds are over, and its number in the round, from 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Attempt {
+    round: usize,
+    number: u32,
+}
+
+impl Attempt {
+    pub(super) const FIRST: Self = Self { round: 0, number: 1 };
+}
+
 /// The laws of a problem.
 #[derive(Clone, Debug)]
 pub(super) enum Law {
@@ -159,10 +174,37 @@ impl Multigrid {
         delegate!(self, scheme => scheme.start_from_nothing(problem, stop));
     }
 
-    /// Starts another attempt, by other constants; false after the last attempt: of a sheet the second, of the paper's springs the
+    /// Starts the next attempt; false after the last one. An implant that yields has further rounds of attempts, in which its numbers wait for the
+    /// tissue.
+    pub(super) fn start_again(
+        &mut self,
+        problem: &Problem,
+        stop: Stop,
+        attempt: &mut Attempt,
+    ) -> bool {
+        attempt.number += 1;
+        if !self.start_attempt(problem, stop, attempt.number) {
+            if attempt.round == PATIENCE.len() || self.modes().is_none() || self.is_slow() {
+                return false;
+            }
+            *attempt = Attempt { round: attempt.round + 1, number: 2 };
+            if !self.start_attempt(problem, stop, attempt.number) {
+                return false;
+            }
+        }
+        let patience = attempt.round.checked_sub(1).map(|round| PATIENCE[round]);
+        delegate!(self, scheme => scheme.wait_for_tissue(patience));
+        true
+    }
+
+    fn is_slow(&self) -> bool {
+        delegate!(self, scheme => scheme.is_slow())
+    }
+
+    /// Starts an attempt of a round, by other constants; false after the last attempt: of a sheet the second, of the paper's springs the
     /// first; of layered tissue over even tissue on a flat wall the second, else the third and those that go on from a dome of its rise, unless one
     /// ended slowly near its solution, as skin in folds does in a hollow.
-    pub(super) fn start_again(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
+    fn start_attempt(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
         let scheme = match self {
             Self::Sheet(scheme) => {
                 let has_another = attempt == 2 && problem.springs == Springs::Coupled;

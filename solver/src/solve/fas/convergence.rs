@@ -88,7 +88,7 @@ pub(super) struct Convergence {
     /// Sum of squares of the residual, if the search for contact offsets computed the residual.
     residual_squares: Option<f64>,
     /// The change of the last cycle \[mm\].
-    last_change: f64,
+    pub(super) last_change: f64,
     /// Number of cycles before whose changes the grid has.
     updates: u32,
     /// ⟨r′, r″⟩ of the changes of the last two cycles.

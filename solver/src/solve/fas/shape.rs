@@ -2,7 +2,8 @@
 //!
 //! At the start of a cycle, but the first of a grid, the forces that the first step needs give the work of the reactions; the numbers move by one step
 //! towards their balance (`yielding`), on all grids, and the tissue near the implant follows its surface. The change of the cycle contains that move, so
-//! that the estimate of the error does.
+//! that the estimate of the error does. Forces of tissue that has not followed the last step mislead the next one under tight skin: where all
+//! attempts fail, those of further rounds let the numbers wait for it.
 
 use super::FullMultigrid;
 use crate::contact::{MODES, Modes, Obstacle};
@@ -10,12 +11,20 @@ use crate::model::ElasticModel;
 use crate::solve::Problem;
 use crate::solve::yielding::{Work, Yielding};
 
+/// The most cycles in a row in which the numbers wait for the tissue.
+const MOST_WAITED: u32 = 6;
+
 /// The implant of a problem, and its numbers in the cycles before.
 #[derive(Clone, Debug)]
 pub(super) struct Yielded {
     own: Yielding,
     /// The numbers after the last two cycles of the grid, the last one first.
     last: [Modes<f64>; 2],
+    /// Change of the tissue in a cycle, by the last move of the surface, up to which the numbers step \[-\]; `None`: once a cycle.
+    patience: Option<f64>,
+    /// The last move of the surface \[mm\], and the cycles since.
+    moved: f64,
+    waited: u32,
 }
 
 impl Yielded {
@@ -23,7 +32,8 @@ impl Yielded {
     pub(super) fn of(problem: &Problem, mirrored: [bool; 2]) -> Option<Self> {
         let mut own = Yielding::of(problem, mirrored)?;
         own.modes = [0.0; MODES];
-        Some(Self { own, last: [[0.0; MODES]; 2] })
+        let last = [[0.0; MODES]; 2];
+        Some(Self { own, last, patience: None, moved: f64::INFINITY, waited: 0 })
     }
 
     pub(super) fn modes(&self) -> Modes<f64> {
@@ -39,6 +49,14 @@ impl Yielded {
         let mut obstacle = obstacle.clone();
         obstacle.dome.set_modes(self.own.modes);
         obstacle
+    }
+
+    /// Do the numbers wait in this cycle, after one with a change \[mm\]?
+    fn waits(&mut self, change: f64) -> bool {
+        let Some(part) = self.patience else { return false };
+        let waits = change > part * self.moved && self.waited < MOST_WAITED;
+        self.waited = if waits { self.waited + 1 } else { 0 };
+        waits
     }
 
     pub(super) fn begin_grid(&mut self) {
@@ -61,12 +79,24 @@ impl<M: ElasticModel> FullMultigrid<M> {
         Some(work.scaled(self.model.stiffness() * spacing * spacing, spacing))
     }
 
+    /// Lets the numbers wait for the tissue, by the part [`Yielded::patience`] of their last move, or not.
+    pub(in crate::solve) fn wait_for_tissue(&mut self, patience: Option<f64>) {
+        if let Some(yielded) = &mut self.yielded {
+            yielded.patience = patience;
+        }
+    }
+
     /// Moves the numbers by a step towards the balance, on all grids.
     pub(super) fn yield_to_tissue(&mut self) {
+        let change = self.convergence.last_change;
+        if self.yielded.as_mut().is_some_and(|yielded| yielded.waits(change)) {
+            return;
+        }
         let Some(work) = self.work_on_shape() else { return };
         let Some(yielded) = &mut self.yielded else { return };
         let step = yielded.own.next_step(&work);
         yielded.own.advance(&step);
+        yielded.moved = yielded.own.greatest_move(&step);
         let modes = yielded.own.modes;
         for (grid, level) in self.levels.iter_mut().enumerate() {
             if grid == self.grid {
