@@ -204,6 +204,12 @@ impl Scene {
                 == (other.side, &other.chest_grid, &other.thickness_field)
     }
 
+    /// Does another scene lie on the same body: the same scanned wall, or the same torso by a tape?
+    #[must_use]
+    pub fn is_on_body_of(&self, other: &Self) -> bool {
+        self.is_on_wall_of(other) || self.torso.is_some() && self.torso == other.torso
+    }
+
     /// Keeps the surface of the scene's body in its file; a scene without a place on a body stays as it is.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The table "Measures before | after" of her body: on the screen and in the report.
+//! The table "Measures before | after" of her body, or of the torso by a tape: on the screen and in the report.
 
 use super::columns::{Cell, Columns, Line, cell};
 use super::measured::Measured;
@@ -54,7 +54,12 @@ pub(crate) fn has_body(session: &Session) -> bool {
     placement.is_some_and(|placement| placement.surface.is_some())
 }
 
-/// The table of a session; `None` without her body or a result.
+/// Is there a body to measure: hers, or the torso that a tape has shaped?
+pub(crate) fn has_measures(session: &Session) -> bool {
+    has_body(session) || session.scene().torso.is_some()
+}
+
+/// The table of a session; `None` without a body or a result.
 pub(crate) fn table(measured: &Measured, session: &Session, of: Of) -> Option<Table> {
     let rows = measured.of_plan(session)?;
     let names = ["before", "after", "gain"].map(tr);
@@ -86,7 +91,11 @@ pub(crate) fn table(measured: &Measured, session: &Session, of: Of) -> Option<Ta
         "{proposed} of the 12 marks were proposed by the program and nobody has checked them: lengths from these, and what differs between the sides, may be off by 10 mm and more.",
         proposed
     ));
-    let notes = proposed.into_iter().chain([tr(NOT_COMPUTED).to_owned()]).collect();
+    let torso = session.scene().torso.map(|_| {
+        tr("On the torso shaped by the tape, both breasts alike before: no scan of this patient.")
+            .to_owned()
+    });
+    let notes = proposed.into_iter().chain(torso).chain([tr(NOT_COMPUTED).to_owned()]).collect();
     Some(Table { heads, lines, notes })
 }
 

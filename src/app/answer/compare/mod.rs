@@ -87,7 +87,7 @@ pub(crate) fn section<'a>(
             choices(ui, compare);
         }
         table::show(ui, session, compare.has_differences, sampled, practices);
-        if !before_after::has_body(session) {
+        if !before_after::has_measures(session) {
             return;
         }
         let fold = egui::CollapsingHeader::new(tr(before_after::TITLE)).id_salt("measures of pins");
