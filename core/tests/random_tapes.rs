@@ -15,6 +15,7 @@ use glam::DVec3;
 use implant_preview_core::body::deform::{deform, gained_ml};
 use implant_preview_core::body::surface::Surface;
 use implant_preview_core::clinical::Measurements;
+use implant_preview_core::measure::{SolverMethod, Status};
 use implant_preview_core::mesh::CELL_TRIANGLES;
 use implant_preview_core::scene::field::TORSO;
 use implant_preview_core::scene::{CheckedScene, Plane, Scene, Torso};
@@ -122,6 +123,24 @@ fn a_torso_of_any_tape_carries_tissue_with_and_without_a_muscle() {
             let solids =
                 fitted.fit.thickness_mm[fitted.fit.grid.len() / 2] - scene.layers[0].thickness_mm;
             assert!((skin.z - solids).abs() < 1e-2, "{plane:?}: {skin} {solids}");
+        }
+    }
+}
+
+/// Beside the breast the fat over a muscle had a twentieth of its thickness: some walls were refused, and a dual plane, whose muscle ends there, had no shape.
+#[test]
+fn every_plane_of_the_pocket_converges_on_any_torso() {
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut thin = opening(33);
+    thin.layers[1].thickness_mm = 5.0;
+    thin.implant.projection_mm = 40.0;
+    for mut scene in std::iter::once(thin).chain((0..12).map(|_| plan(&mut random, 33))) {
+        for plane in Plane::ALL {
+            scene.set_plane(Some(plane));
+            let Simulation { outcome, .. } = solved(&scene);
+            let by = (outcome.status, outcome.solver.method);
+            let expected = (Status::Converged, SolverMethod::Multigrid);
+            assert_eq!(by, expected, "{plane:?} {:?}", scene.torso);
         }
     }
 }
