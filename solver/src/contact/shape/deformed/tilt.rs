@@ -17,6 +17,8 @@ use crate::number::Real;
 /// The last of the maps, in any unit of length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tilt<R> {
+    /// Is τ zero along both axes?
+    is_upright: bool,
     /// τ by the half-axes.
     rate: [R; 2],
     /// 1/a and 1/b.
@@ -52,6 +54,7 @@ impl<R: Real> Tilt<R> {
         });
         let source = [0, 1].map(|axis| within[axis].map(|at| at + 0.5 * rate[axis] * at * at));
         Self {
+            is_upright: tilts.iter().all(|tilt| *tilt == 0.0),
             rate: rate.map(R::splat),
             per_axis: axes.map(|axis| R::splat(1.0 / axis)),
             moved: [0, 1].map(|axis| move_of(tilts[axis]).map(|part| R::splat(part * axes[axis]))),
@@ -64,6 +67,11 @@ impl<R: Real> Tilt<R> {
     #[inline(always)]
     pub(super) fn source(&self, [x, y, z]: [R; 3]) -> Upright<R> {
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
+        if self.is_upright {
+            let by_rate = [half * x * x, half * y * y];
+            let (rise, slope, near) = ([one; 2], [zero; 2], [x, y]);
+            return Upright { place: [x, y, z], rise, slope, by_rate, near };
+        }
         let at = [x - self.moved[0][0], y - self.moved[1][0]];
         let near = [0, 1].map(|k| at[k].max(self.within[k][0]).min(self.within[k][1]));
         let beyond = [0, 1].map(|k| at[k] - near[k]);
@@ -79,6 +87,9 @@ impl<R: Real> Tilt<R> {
     /// The image of a source.
     #[inline(always)]
     pub(super) fn image(&self, at: [R; 3]) -> [R; 3] {
+        if self.is_upright {
+            return at;
+        }
         let (one, two) = (R::splat(1.0), R::splat(2.0));
         let near =
             [0, 1].map(|k| at[k].max(self.within_source[k][0]).min(self.within_source[k][1]));
@@ -100,6 +111,9 @@ impl<R: Real> Tilt<R> {
     /// A gradient by the source as one by the point.
     #[inline(always)]
     pub(super) fn pulled(&self, of: &Upright<R>, g: [R; 3]) -> [R; 3] {
+        if self.is_upright {
+            return g;
+        }
         let fall = Self::fall(of);
         [g[0] * of.rise[0] + g[2] * fall[0], g[1] * of.rise[1] + g[2] * fall[1], g[2] * fall[2]]
     }
@@ -107,6 +121,9 @@ impl<R: Real> Tilt<R> {
     /// A second derivative by the source, with the gradient by it, as one by the point.
     #[inline(always)]
     pub(super) fn bent(&self, of: &Upright<R>, h: Block<R>, g: [R; 3]) -> Block<R> {
+        if self.is_upright {
+            return h;
+        }
         let [xx, xy, xz, yy, yz, zz] = h;
         let ([p, q, w], [r, s]) = (Self::fall(of), of.rise);
         let [by_x, by_y] = [0, 1].map(|k| of.slope[k] / of.rise[k]);
