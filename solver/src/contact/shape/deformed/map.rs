@@ -11,7 +11,7 @@
 //!
 //! Where c or 1 + 2νu would fall below a bound, beyond the body, they stay at the bound.
 
-use super::tilt::{Tilt, Upright};
+use super::tilt::{FARTHEST, LEAST, Tilt, Upright};
 use crate::mesh::vec3::Block;
 use crate::number::Real;
 
@@ -20,11 +20,6 @@ pub(crate) const MODES: usize = 8;
 
 /// Flattening ε, taper κ, shoulder ν, widening e, shears s_x and s_y, tilts τ_x and τ_y \[-\].
 pub(crate) type Modes<R> = [R; MODES];
-
-/// Least c, 1 + 2νu and 1 + τy/b.
-pub(super) const LEAST: f64 = 0.25;
-/// Heights \[h\], squared distances u and places \[b\] up to which they vary at most.
-pub(super) const FARTHEST: f64 = 8.0;
 
 /// A deformation, in any unit of length.
 #[derive(Clone, Copy, Debug)]

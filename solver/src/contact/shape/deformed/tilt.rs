@@ -10,9 +10,13 @@
 //! The moves m keep the middle of a base with these half-axes where it is, m_x/a = 1/(1 + √(1 − 2τ_x)) − 1/(1 + √(1 + 2τ_x)): the sections between its
 //! ends move towards the thick side. Where r_x or r_y would fall below a bound, beyond the body, they stay at the bound.
 
-use super::map::{FARTHEST, LEAST};
 use crate::mesh::vec3::Block;
 use crate::number::Real;
+
+/// Least 1 + τy/b, and c and 1 + 2νu of the other maps.
+pub(super) const LEAST: f64 = 0.25;
+/// Places \[b\], heights \[h\] and squared distances u up to which they vary at most.
+pub(super) const FARTHEST: f64 = 8.0;
 
 /// The last of the maps, in any unit of length.
 #[derive(Clone, Copy, Debug)]
