@@ -1,7 +1,7 @@
 //! A chest wall by a grid of heights, as a scan gives it.
 
 use super::continued::Continuation;
-use super::hollow::{DIRECTIONS, Feet, Hollow, LEAST_OF_TISSUE, way};
+use super::hollow::{DIRECTIONS, Feet, LEAST_OF_TISSUE, way};
 use super::smooth::smoothed;
 use super::{Scene, SceneError, grid, out_of_range, problem};
 use crate::curve::{number, present, whole};
@@ -70,14 +70,17 @@ const LEAST_SAID: f64 = 0.05;
 /// Smoothing that an error proposes where it is enough \[mm\].
 const SMOOTHER_MM: [f64; 9] = [2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0];
 
+/// The first ones: where neither is enough, none of the others is worth its time.
+const TRIED_FIRST_MM: [f64; 2] = [20.0, 8.0];
+
 const PATH: &str = "chest.grid";
 /// The error of a chest with radii and a grid.
 pub(super) const BOTH: &str = "both radii and a grid; allowed: one of them";
 
 /// Why a wall carries no tissue.
 enum Unfit {
-    /// A hollow is too deep.
-    Hollow(Hollow),
+    /// What the wall is, and what is allowed; smoother heights may be fit.
+    Rough([String; 2]),
     Error(SceneError),
 }
 
@@ -112,12 +115,16 @@ impl Scene {
         match self.wall_of(grid, &form, thickness) {
             Ok(wall) => Ok(Some(wall)),
             Err(Unfit::Error(error)) => Err(error),
-            Err(Unfit::Hollow(hollow)) => {
+            Err(Unfit::Rough([value, allowed])) => {
                 let is_enough = |mm: &f64| {
                     let smooth = HeightsGrid { smooth_mm: *mm, ..grid.clone() };
                     *mm > *smooth_mm && self.wall_of(&smooth, &form, thickness).is_ok()
                 };
-                Err(hollow.error(PATH, SMOOTHER_MM.into_iter().find(is_enough)))
+                let is_cured = TRIED_FIRST_MM.iter().any(is_enough);
+                let remedy = is_cured.then(|| SMOOTHER_MM.into_iter().find(is_enough)).flatten();
+                let remedy = remedy.map(|mm| format!("; {PATH}.smooth_mm {mm} would do"));
+                let allowed = allowed + &remedy.unwrap_or_default();
+                Err(out_of_range(PATH, value, &allowed))
             }
         }
     }
@@ -135,9 +142,11 @@ impl Scene {
             heights.map(Chest::Grid).ok_or_else(|| problem(PATH, "no grid of numbers"))
         });
         let whole = whole.transpose()?.filter(|wall| {
-            let feet = (0..DIRECTIONS).map(|k| wall.foot_and_normal(way(k) * self.patch_radius()));
+            let patch = self.patch_radius();
+            let feet = (0..DIRECTIONS).map(|k| wall.foot_and_normal(way(k) * patch));
             let reach = feet.map(|(foot, _)| foot.truncate().abs());
-            let reach = reach.fold(DVec2::ZERO, DVec2::max);
+            // A line along the wall reaches no further than it is long; one that is lost on an uneven wall does.
+            let reach = reach.fold(DVec2::ZERO, DVec2::max).min(DVec2::splat(patch));
             form.check_reach(counts, reach.to_array()).is_ok()
         });
         let (wall, counts) = match whole {
@@ -148,7 +157,7 @@ impl Scene {
         if tilt > TILTS.0 {
             let allowed = format!("up to {}°", TILTS.0);
             let value = format!("tilted by {tilt:.0}° at the pocket's centre");
-            return Err(out_of_range(PATH, value, &allowed).into());
+            return Err(Unfit::Rough([value, allowed]));
         }
         self.check_wall(&wall, thickness, form, counts)?;
         Ok(wall)
@@ -168,9 +177,9 @@ impl Scene {
         };
         let mut continuation = self.continuation(grid, thickness).ok_or_else(none)?;
         let shares = continuation.shares(self.ends()).ok_or_else(none)?;
-        for (share, least) in shares.into_iter().zip(SHARES) {
-            if share < least.0 {
-                return Err(unknown(share, least));
+        for ([_, bridged], least) in shares.into_iter().zip(SHARES) {
+            if bridged < least.0 {
+                return Err(unknown(bridged, least));
             }
         }
         if grid.smooth_mm > 0.0 {
@@ -202,6 +211,13 @@ impl Scene {
         even + solids * thickness.map_or(1.0, ThicknessField::greatest)
     }
 
+    /// Is a place over the plane \[mm\] under the base of the implant?
+    fn is_under_implant(&self, place: DVec2) -> bool {
+        let implant = &self.implant;
+        let half = DVec2::new(implant.base_radius_mm, 0.5 * implant.base_height());
+        ((place - DVec2::from(implant.center_mm)) / half).length() <= 1.0
+    }
+
     /// Radii of pocket and simulated tissue \[mm\].
     fn ends(&self) -> [f64; 2] {
         [self.pocket_radius_mm, self.patch_radius()]
@@ -223,30 +239,42 @@ impl Scene {
     ) -> Result<(), Unfit> {
         let feet = Feet::new(wall, self.patch_radius());
         // Beyond the grid its margin goes on: there the grid's size is the reason.
-        let refused = |value: String, place: DVec2, allowed: &str| {
+        let refused = |[what, more]: [&str; 2], place: DVec2, allowed: String| {
+            let value = format!("{what} at ({:.0}, {:.0}) mm{more}", place.x, place.y);
             let size = form.check_reach(counts, place.abs().to_array()).err();
-            let value = format!("{value} at ({:.0}, {:.0}) mm", place.x, place.y);
-            Err(size.unwrap_or_else(|| out_of_range(PATH, value, allowed)).into())
+            Err(size.map_or(Unfit::Rough([value, allowed]), Unfit::Error))
         };
-        let mut reach = DVec2::ZERO;
-        for (point, normal) in feet.rings().flat_map(|(_, feet)| feet) {
-            if normal.z.is_nan() || normal.z < LEAST_UP {
+        let uneven = |place: DVec2, spread: f64| {
+            let more =
+                format!(": lines along it draw together to {:.0} %", 100.0 * spread.max(0.0));
+            let allowed = format!("{:.0} % or more", 100.0 * LEAST_SPREAD);
+            refused(["too uneven", &more], place, allowed)
+        };
+        let (mut reach, lost) = (DVec2::ZERO, feet.lost());
+        let sound = lost.map_or(usize::MAX, |(sound, _)| sound);
+        for (point, normal) in feet.rings().flat_map(|(_, feet)| feet).take(sound) {
+            if normal.z < LEAST_UP {
                 let slope = normal.z.clamp(0.0, 1.0).acos().to_degrees();
                 let allowed = format!("up to {:.0}°", LEAST_UP.acos().to_degrees());
-                return refused(format!("steep by {slope:.0}°"), point.truncate(), &allowed);
+                return refused([&format!("steep by {slope:.0}°"), ""], point.truncate(), allowed);
             }
             reach = reach.max(point.truncate().abs());
         }
+        if let Some((_, place)) = lost {
+            return uneven(place, 0.0);
+        }
         let tissue = (self.tissue_at(thickness), self.thickest_mm(thickness));
         if let Some(hollow) = feet.deepest(LEAST_OF_TISSUE, tissue) {
-            return Err(Unfit::Hollow(hollow));
+            return Err(Unfit::Rough(hollow.words()));
         }
         for (length, ring) in feet.rings() {
+            let apart = TAU * length / DIRECTIONS as f64;
             for (k, (point, _)) in ring.iter().enumerate() {
                 let (place, next) = (point.truncate(), ring[(k + 1) % DIRECTIONS].0);
-                let spread = place.perp_dot(next.truncate()).signum() * point.distance(next);
-                if spread < LEAST_SPREAD * TAU * length / DIRECTIONS as f64 {
-                    return refused("too uneven".to_owned(), place, "a smooth wall");
+                let spread =
+                    place.perp_dot(next.truncate()).signum() * point.distance(next) / apart;
+                if spread < LEAST_SPREAD {
+                    return uneven(place, spread);
                 }
             }
         }
@@ -284,8 +312,17 @@ impl Scene {
                 moves.fold(0.0, f64::max)
             )
         });
-        let shares = (!is_whole).then(|| continuation()?.shares(self.ends())).flatten();
-        let continued = shares.map(|shares| shares.map(|share| 100.0 * (1.0 - share)));
+        let continuation = (!is_whole).then(continuation).flatten();
+        let gap = continuation.as_ref().and_then(|continuation| {
+            let (at, width) = continuation.widest_gap(|place| self.is_under_implant(place))?;
+            Some(format!(
+                "The wall under the implant is estimated at ({:.0}, {:.0}) mm, where the grid has no heights over {width:.0} mm; \
+                 pressure there may differ.",
+                at.x, at.y
+            ))
+        });
+        let shares = continuation.and_then(|continuation| continuation.shares(self.ends()));
+        let continued = shares.map(|shares| shares.map(|[share, _]| 100.0 * (1.0 - share)));
         let continued = continued.filter(|parts| parts.iter().any(|part| *part >= LEAST_SAID));
         let continued = continued.map(|[pocket, tissue]| {
             format!(
@@ -293,7 +330,7 @@ impl Scene {
                  the grid has none."
             )
         });
-        tilted.into_iter().chain(smoothed).chain(continued).collect()
+        [tilted, smoothed, continued, gap].into_iter().flatten().collect()
     }
 }
 

@@ -4,9 +4,10 @@
 //! q is fitted again with the curvatures at their bounds. The difference r = z − q keeps its values at the data and minimises
 //! ∫ |∇∇r|² + (2/ℓ²)|∇r|² + r²/ℓ⁴ elsewhere, a thin plate in tension on a foundation: beside a straight edge r falls as
 //! (1 + d/ℓ) exp(−d/ℓ), with ℓ = 5 mm to 9 % within 20 mm, and the slope is continuous. ℓ grows up to 40 mm where the blend of a
-//! smaller ℓ would be hollower than the tissue allows.
+//! smaller ℓ would be hollower than the tissue allows; gaps that data enclose always have that one, as their heights follow from those around, not from the quadric.
 
 use super::grid::COUNTS;
+use super::open::Open;
 use crate::body::chest::{Quadric, solved};
 use crate::mesh::{Chest, HeightGrid};
 use glam::DVec2;
@@ -90,11 +91,12 @@ impl Continuation {
         self.counts
     }
 
-    /// Shares of the nodes with data within lengths along the quadric \[-\].
-    pub(super) fn shares<const N: usize>(&self, lengths_mm: [f64; N]) -> Option<[f64; N]> {
+    /// Shares of the nodes with data within lengths along the quadric \[-\]: with a height, and with one or within a gap that heights bridge.
+    pub(super) fn shares<const N: usize>(&self, lengths_mm: [f64; N]) -> Option<[[f64; 2]; N]> {
         let nodes = || (0..self.heights.len()).map(|k| (k, self.place(k)));
         let smooth = nodes().map(|(_, place)| self.quadric.at(place)).collect();
         let wall = Chest::Grid(HeightGrid::new(self.spacing_mm, self.counts, smooth)?);
+        let bridged = self.open().known_or_bridged();
         Some(lengths_mm.map(|length| {
             let edge = |k: usize| {
                 let way = DVec2::from_angle(TAU * k as f64 / DIRECTIONS as f64);
@@ -107,9 +109,22 @@ impl Continuation {
                 place.length() <= edge.max(self.spacing_mm)
             };
             let within = nodes().filter(|(_, place)| is_within(*place));
+            let all = within.clone().count().max(1) as f64;
             let known = within.clone().filter(|(k, _)| self.heights[*k].is_some()).count();
-            known as f64 / within.count().max(1) as f64
+            let bridged = within.filter(|(k, _)| bridged[*k]).count();
+            [known, bridged].map(|count| count as f64 / all)
         }))
+    }
+
+    fn open(&self) -> Open<'_> {
+        let Self { counts, spacing_mm, ref heights, .. } = *self;
+        Open { counts, spacing_mm, heights }
+    }
+
+    /// Place and width of the widest gap in a region \[mm\]; `None` without a gap that is wider than heights bridge.
+    pub(super) fn widest_gap(&self, is_within: impl Fn(DVec2) -> bool) -> Option<(DVec2, f64)> {
+        let (node, width) = self.open().widest(|k| is_within(self.place(k)))?;
+        Some((self.place(node), width))
     }
 
     /// Of values on the extended grid those on the grid as given.
@@ -171,6 +186,11 @@ impl Continuation {
             apart.map(|(height, smooth)| height.map_or(0.0, |height| height - smooth)).collect();
         let plate = Plate { counts: self.counts, tension: (self.spacing_mm / length_mm).powi(2) };
         plate.fill(&mut apart, &is_open);
+        let enclosed = self.open().enclosed();
+        if length_mm < LENGTHS_MM[LENGTHS_MM.len() - 1] && enclosed.contains(&true) {
+            let tension = (self.spacing_mm / LENGTHS_MM[LENGTHS_MM.len() - 1]).powi(2);
+            Plate { counts: self.counts, tension }.fill(&mut apart, &enclosed);
+        }
         let filled = apart.iter().zip(&smooth).map(|(apart, smooth)| smooth + apart);
         self.heights.iter().zip(filled).map(|(height, filled)| height.unwrap_or(filled)).collect()
     }

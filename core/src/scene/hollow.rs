@@ -8,7 +8,6 @@
 //! t/R below 1.1 converged in the first attempt, whatever the width of the dent; of 136 above 61 needed another one, 54 had no answer, the first at 1.15. A mean
 //! of second derivatives over an eighth, a quarter or half of the thickness does not part them as well.
 
-use super::{SceneError, out_of_range};
 use crate::curve::number;
 use crate::mesh::Chest;
 use glam::{DVec2, DVec3};
@@ -19,6 +18,8 @@ pub(super) const LEAST_OF_TISSUE: f64 = 1.25;
 /// Directions and lengths of the geodesics of a check.
 pub(super) const DIRECTIONS: usize = 48;
 const LENGTHS: usize = 8;
+/// Distance from the centre above which a geodesic is lost \[its length\].
+const LONGER: f64 = 1.01;
 /// Steps of the search for a place along the wall: each leaves 0.8 of the error at most, on a slope of 76°.
 const STEPS: usize = 16;
 
@@ -46,18 +47,15 @@ pub(super) struct Hollow {
 }
 
 impl Hollow {
-    /// The error of a grid with this hollow, and a smoothing \[mm\] that would fill it.
-    pub(super) fn error(&self, grid: &str, smoother: Option<f64>) -> SceneError {
+    /// What a wall with this hollow is, and what is allowed.
+    pub(super) fn words(&self) -> [String; 2] {
         let Self { at, radius_mm, tissue_mm } = self;
         let (x, y) = (at.x, at.y);
-        let value = format!("hollow with a radius of {radius_mm:.0} mm at ({x:.0}, {y:.0}) mm");
         let least = number((LEAST_OF_TISSUE * tissue_mm).ceil());
-        let remedy = smoother.map(|mm| format!("; {grid}.smooth_mm {mm} would do"));
-        let allowed = format!(
-            "{least} mm or more, {LEAST_OF_TISSUE} times the tissue there{}",
-            remedy.unwrap_or_default()
-        );
-        out_of_range(grid, value, &allowed)
+        [
+            format!("hollow with a radius of {radius_mm:.0} mm at ({x:.0}, {y:.0}) mm"),
+            format!("{least} mm or more, {LEAST_OF_TISSUE} times the tissue there"),
+        ]
     }
 }
 
@@ -76,6 +74,19 @@ impl<'a> Feet<'a> {
     pub(super) fn rings(&self) -> impl Iterator<Item = (f64, &[(DVec3, DVec3)])> {
         let length = |ring: usize| self.step_mm * (ring + 1) as f64;
         self.feet.chunks(DIRECTIONS).enumerate().map(move |(ring, feet)| (length(ring), feet))
+    }
+
+    /// Where geodesics are lost on an uneven wall, further from the centre than they are long: the number of feet before, and the last place over
+    /// the plane \[mm\].
+    pub(super) fn lost(&self) -> Option<(usize, DVec2)> {
+        let is_lost = |k: usize| {
+            let (point, normal) = self.feet[k];
+            let most = LONGER * self.step_mm * (k / DIRECTIONS + 1) as f64;
+            !normal.is_finite() || !point.is_finite() || point.truncate().length() > most
+        };
+        let k = (0..self.feet.len()).find(|k| is_lost(*k))?;
+        let before = k.checked_sub(DIRECTIONS);
+        Some((k, before.map_or(DVec2::ZERO, |before| self.feet[before].0.truncate())))
     }
 
     /// The place along the wall of a place over the plane \[mm\].

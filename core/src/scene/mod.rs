@@ -4,7 +4,7 @@
 //! stresses in kPa. Every field but `implant.base_radius_mm` has a default; an unknown or out-of-range field is
 //! rejected with one line that names the field.
 //!
-//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `smooth` (its Gaussian mean), `hollow` (its curvature under the tissue), `thickness` (from place to place), `torso` (both of the built-in torso), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `fill` (how far an implant yields) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `other_side` (plans of their own for both sides) | `patient`
+//! `body` (tissue model, patch) | `chest` (the wall), `chest_grid` (of a scan), `continued` (where the scan has no data), `open` (its gaps), `smooth` (its Gaussian mean), `hollow` (its curvature under the tissue), `thickness` (from place to place), `torso` (both of the built-in torso), `grid` (the form of both) | `checked` (a scene with its curves) | `error` | `field` (the numbers, a row each) | `file` (the members of a scene: in memory, in a file, by default) | `fill` (how far an implant yields) | `implant` (its numbers, in memory and in a file) | `layer` (a layer and its file format) | `other_side` (plans of their own for both sides) | `patient`
 //! (measurements and the values derived from them) | `pins` (scenes beside the scene of a file) | `read`  (bytes and JSON) |
 //! `repair` (scenes that an edit made invalid) | `skin_state` (its natural tension), `kept_surface` (the body's surface in a file), `placement` (the place on a body, the scene of a fitted body), `plane` (of the pocket: the muscle over the implant), `posture` (the weight of an implant that yields) | `visit` (patient and visit in words).
 //!
@@ -26,6 +26,7 @@ mod hollow;
 mod implant;
 mod kept_surface;
 mod layer;
+mod open;
 mod other_side;
 mod patient;
 pub mod pins;

@@ -1,6 +1,8 @@
 use super::*;
+use crate::measure::{Fields, Selection, measure};
 use crate::mesh::NodeKind;
 use crate::scene::ChestShape;
+use crate::solve::{Solver, Verdict};
 
 /// A scene with a wall of these heights, 5 mm apart.
 fn scene(columns: usize, height: impl Fn(DVec2) -> f64) -> Scene {
@@ -154,4 +156,137 @@ fn smoothing_keeps_planes_flattens_waves_and_is_said() {
     wrong.chest_grid.as_mut().unwrap().grid.smooth_mm = 21.0;
     let error = wrong.validate().unwrap_err().to_string();
     assert_eq!(error, "chest.grid.smooth_mm is 21; allowed: 0 to 20 mm");
+}
+
+/// Numbers of a uniform distribution from −1 to 1.
+fn random(k: usize) -> f64 {
+    let mut bits = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (bits ^ (bits >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
+}
+
+/// A scene with the usual chest as heights with this spacing, 280 mm wide; `None` leaves a height out.
+fn usual(spacing_mm: f64, change: impl Fn(usize, DVec2) -> Option<f64>) -> Scene {
+    let half = (140.0 / spacing_mm).floor();
+    let side = 2 * half as usize + 1;
+    let place =
+        |k: usize| DVec2::new((k % side) as f64 - half, (k / side) as f64 - half) * spacing_mm;
+    let (across_mm, along_mm) = (ChestShape::USUAL.radius_across_mm, f64::INFINITY);
+    let wall = Chest::Curved { across_mm, along_mm };
+    let height = |k: usize| Some(wall.height(place(k)) + change(k, place(k))?);
+    let heights_mm = (0..side * side).map(height).collect();
+    let grid = HeightsGrid { spacing_mm, columns: side, rows: side, heights_mm, smooth_mm: 0.0 };
+    Scene { chest_grid: Some(ChestGrid { grid }), ..Scene::default() }
+}
+
+/// Noise as of a bad scan: the line has a place, numbers as of a chest, and the least smoothing of those tried that cures.
+#[test]
+fn the_line_of_a_noisy_scan_has_numbers_as_of_a_chest_and_the_smoothing_that_cures() {
+    let mut words = std::collections::BTreeSet::new();
+    for (case, (spacing, rms_mm)) in [3.0, 4.0, 5.0, 8.0]
+        .into_iter()
+        .flat_map(|s| [0.5, 1.0, 2.0, 3.0].map(|n| (s, n)))
+        .enumerate()
+    {
+        let noise = |k: usize| 3_f64.sqrt() * rms_mm * random(k + 100_000 * case);
+        let spike = |k: usize| if k % 997 == case { 15.0 } else { 0.0 };
+        for spikes in [false, true] {
+            let scene = usual(spacing, |k, _| Some(noise(k) + if spikes { spike(k) } else { 0.0 }));
+            let line = scene.validate().unwrap_err().to_string();
+            assert!(!line.contains('\n') && line.len() < 170, "{line}");
+            let number =
+                |word: &str| word.trim_matches(|c: char| !c.is_ascii_digit()).parse::<f64>().ok();
+            let greatest = line.split_whitespace().filter_map(number).fold(0.0, f64::max);
+            assert!(greatest < 141.0, "{line}");
+            let Some((what, remedy)) = line.split_once("; chest.grid.smooth_mm ") else {
+                // Spikes stay at every smoothing.
+                assert!(spikes && rms_mm > 1.0 || spacing > 7.0, "{spacing} {rms_mm}: {line}");
+                continue;
+            };
+            words.insert(what.split(' ').nth(2).unwrap().to_owned());
+            let mm: f64 = remedy.strip_suffix(" would do").unwrap().parse().unwrap();
+            let smooth = |smooth_mm: f64| {
+                let mut scene = scene.clone();
+                scene.chest_grid.as_mut().unwrap().grid.smooth_mm = smooth_mm;
+                scene.validate()
+            };
+            assert_eq!(smooth(mm), Ok(()), "{line}");
+            let less = SMOOTHER_MM.into_iter().filter(|less| *less < mm);
+            assert!(less.into_iter().all(|less| smooth(less).is_err()), "{line}");
+        }
+    }
+    assert!(words.len() > 2, "{words:?}");
+}
+
+/// A tenth of the heights is missing here and there: the others bridge them.
+#[test]
+fn scattered_heights_that_are_missing_are_filled_and_said() {
+    for (spacing, missing) in [(2.0, 0.3), (4.0, 0.1), (8.0, 0.1)] {
+        let is_open = |k: usize| random(k) < 2.0 * missing - 1.0;
+        let scene = usual(spacing, |k, _| (!is_open(k)).then_some(0.0));
+        let wall = scene.problem().unwrap().obstacle.wall.0;
+        let exact = usual(spacing, |_, _| Some(0.0)).problem().unwrap().obstacle.wall.0;
+        for k in 0..400 {
+            let place = DVec2::from_angle(2.4 * f64::from(k)) * (0.25 * f64::from(k));
+            let apart = (wall.height(place) - exact.height(place)).abs();
+            assert!(apart < 0.1, "{spacing} {place}: {apart}");
+        }
+        let [said] = &*scene.chest_warnings(&wall) else { panic!("one line") };
+        assert!(said.starts_with("The heights of the chest are continued over "), "{said}");
+    }
+    let half = usual(4.0, |k, _| (random(k) < 0.0).then_some(0.0));
+    let line = half.validate().map_err(|error| error.to_string());
+    assert!(line.is_ok() || line.unwrap_err().starts_with("chest.grid.heights_mm is known over "));
+}
+
+#[test]
+fn a_gap_under_the_implant_is_said_with_its_place_and_width() {
+    for (at, wide) in [(DVec2::ZERO, 12.0), (DVec2::ZERO, 20.0), (DVec2::new(24.0, -20.0), 32.0)] {
+        let scene = usual(4.0, |_, place| (place.distance(at) >= 0.5 * wide).then_some(0.0));
+        let wall = scene.problem().unwrap().obstacle.wall.0;
+        let [_, said] = &*scene.chest_warnings(&wall) else { panic!("two lines") };
+        let start = format!("The wall under the implant is estimated at ({}, {}) mm, ", at.x, at.y);
+        let (_, width) = said.split_once("no heights over ").unwrap();
+        let width: f64 = width.split_once(" mm").unwrap().0.parse().unwrap();
+        assert!(said.starts_with(&start) && (wide..=wide + 8.0).contains(&width), "{said}");
+    }
+    // Beside the implant it is a part of what is continued.
+    let scene =
+        usual(4.0, |_, place| (place.distance(DVec2::new(0.0, 90.0)) > 10.0).then_some(0.0));
+    let wall = scene.problem().unwrap().obstacle.wall.0;
+    assert_eq!(scene.chest_warnings(&wall).len(), 1);
+}
+
+/// A hole under the implant, in a wall that no quadric fits: the heights around it continue it.
+#[test]
+fn a_hole_under_the_implant_is_filled_from_the_heights_around_it() {
+    let bump =
+        |place: DVec2| 5.0 * (-(place - DVec2::new(6.0, 3.0)).length_squared() / 900.0).exp();
+    let pressure = |scene: &Scene| {
+        let mut solver = Solver::new(scene.problem().unwrap());
+        solver.advance(&mut || false);
+        assert_eq!(solver.verdict(), Verdict::Converged);
+        let fields = Fields::new(Arc::new(solver.into_solution()));
+        let tissues = scene.layers.iter().map(|layer| layer.tissue.clone()).collect::<Vec<_>>();
+        measure(&fields, &tissues, &Selection::all()).contact_pressure_kpa.unwrap().max
+    };
+    let full = usual(4.0, |_, place| Some(bump(place)));
+    let (exact, whole) = (full.problem().unwrap().obstacle.wall.0, pressure(&full));
+    for (wide, most_mm, most_pressure) in
+        [(12.0, 0.03, 0.015), (20.0, 0.08, 0.04), (32.0, 0.3, 0.08)]
+    {
+        let is_open = |place: DVec2| place.length() < 0.5 * wide;
+        let scene = usual(4.0, |_, place| (!is_open(place)).then(|| bump(place)));
+        let wall = scene.problem().unwrap().obstacle.wall.0;
+        // Heights count from the plane that touches the wall at the centre.
+        let apart = (0..200).map(|k| DVec2::from_angle(2.4 * f64::from(k)) * (0.1 * f64::from(k)));
+        let apart = |wall: &Chest| apart.clone().map(|at| wall.height(at)).collect::<Vec<_>>();
+        let (found, given) = (apart(&wall), apart(&exact));
+        let pairs = found.iter().zip(&given).map(|(a, b)| a - b);
+        let mean = pairs.clone().sum::<f64>() / 200.0;
+        let most = pairs.map(|apart| (apart - mean).abs()).fold(0.0, f64::max);
+        let change = pressure(&scene) / whole - 1.0;
+        assert!(most < most_mm && change.abs() < most_pressure, "{wide}: {most} {change}");
+    }
 }
