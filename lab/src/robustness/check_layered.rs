@@ -10,6 +10,9 @@ use glam::DVec3;
 use implant_preview_core::mesh::CellKind;
 use implant_preview_core::solve::{Solver, Verdict};
 
+/// Greatest estimated error of a shape that did not converge \[base radius\].
+const MAX_ERROR: f64 = 0.01;
+
 /// Failed checks and the least volume of the cells.
 pub(super) struct Checked {
     pub(super) findings: Vec<Finding>,
@@ -51,10 +54,11 @@ pub(super) fn check(solver: &Solver) -> Checked {
     require_at_most(findings, "inverted cells", inverted as f64, 0.0);
     checked.least_volume_ratio = (cells > 0).then_some(least);
     checked.inverted_corners = inverted_corners(solver);
+    let error = solver.estimated_position_error();
     if solver.verdict() != Verdict::Converged {
+        require_at_most(findings, "estimated error without convergence", error, MAX_ERROR);
         return checked;
     }
-    let error = solver.estimated_position_error();
     require_at_most(findings, "estimated error", error, problem.tolerance);
     let (n, axes) = (problem.sheet().nodes_per_side(), problem.mirrored());
     let asymmetry = layers(solver).map(|x| asymmetry_of(x, n, axes)).fold(0.0, f64::max);

@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 pub enum Status {
     /// The estimated position error is within the tolerance.
     Converged,
-    /// The estimated position error is above the tolerance; the figures are those of the last iterate.
+    /// The estimated position error is above the tolerance; the figures are those of the last iterate, of layered tissue of the one with the
+    /// least error, 1 % of the base radius at most.
     NotConverged,
     /// The paper's springs have no stable shape in this scene, the implant protrudes between the nodes, or no shape of
     /// layered tissue was found; the result has no shape.

@@ -220,19 +220,18 @@ impl Solver {
         initial_guess::taut_profile(&self.problem.rest, &self.problem.obstacle.dome)
     }
 
-    /// The ending of the attempt that computed the shape.
-    fn ending_of_shape(&self, multigrid: &Multigrid) -> Ending {
+    /// The ending of the attempt that computed the shape of a failed solve; `None`: the last one.
+    fn kept_ending(&self) -> Option<Ending> {
         let is_kept = self.progress == Progress::Done && self.verdict != Verdict::Converged;
-        self.kept.filter(|_| is_kept).unwrap_or_else(|| multigrid.ending())
+        self.kept.filter(|_| is_kept)
     }
 
     fn relative_residual(&self) -> f64 {
-        match (self.stage, &self.multigrid, &self.newton) {
-            (Stage::Rest, ..) => 0.0,
-            (Stage::Multigrid, Some(multigrid), _) => {
-                self.ending_of_shape(multigrid).relative_residual
-            }
-            (_, _, Some(newton)) => newton.relative_residual(),
+        match (self.kept_ending(), self.stage, &self.multigrid, &self.newton) {
+            (Some(kept), ..) => kept.relative_residual,
+            (_, Stage::Rest, ..) => 0.0,
+            (_, Stage::Multigrid, Some(multigrid), _) => multigrid.ending().relative_residual,
+            (.., Some(newton)) => newton.relative_residual(),
             _ => f64::INFINITY,
         }
     }
@@ -241,10 +240,11 @@ impl Solver {
     /// while there is no estimate.
     #[must_use]
     pub fn estimated_position_error(&self) -> f64 {
-        let error = match (self.stage, &self.multigrid, &self.newton) {
-            (Stage::Rest, ..) => return self.error_at_rest(),
-            (Stage::Multigrid, Some(multigrid), _) => self.ending_of_shape(multigrid).error,
-            (_, _, Some(newton)) => newton.error(),
+        let error = match (self.kept_ending(), self.stage, &self.multigrid, &self.newton) {
+            (Some(kept), ..) => kept.error,
+            (_, Stage::Rest, ..) => return self.error_at_rest(),
+            (_, Stage::Multigrid, Some(multigrid), _) => multigrid.ending().error,
+            (.., Some(newton)) => newton.error(),
             _ => f64::INFINITY,
         };
         error / self.problem.obstacle.dome.reference_length()

@@ -1,9 +1,10 @@
 //! The balance of an implant that yields, with the solution of either method.
 
+use super::Solver;
+use super::fas::Ending;
 use super::multigrid::Multigrid;
 use super::newton::Start;
 use super::yielding::Yielding;
-use super::{Solver, Verdict};
 use crate::contact::Modes;
 use crate::mesh::NodeKind;
 use glam::DVec3;
@@ -30,6 +31,16 @@ impl Solver {
         }
     }
 
+    /// Ends with an implant whose balance is a move away \[mm\], which counts as an error.
+    fn end_unbalanced(&mut self, left: f64) {
+        let newton = self.newton.as_ref();
+        let newton = newton.map(|newton| (newton.error(), newton.relative_residual()));
+        let ending = newton.map(|(error, residual)| Ending::of(error + left, residual));
+        let is_sheet = self.law.layered().is_none();
+        self.kept = ending.filter(|ending| is_sheet || self.is_approximation(ending.error));
+        self.end_with_last_shape();
+    }
+
     /// Moves an implant that yields towards the balance with the solution of Newton's method, and starts again from there; false if it
     /// is balanced.
     pub(super) fn rebalance(&mut self) -> bool {
@@ -40,11 +51,12 @@ impl Solver {
         let step = yielding.next_step(&work);
         let most = BALANCED * self.problem.tolerance * dome.reference_length();
         self.balances += 1;
-        if yielding.greatest_move(&step) <= most {
+        let left = yielding.greatest_move(&step);
+        if left <= most {
             return false;
         }
         if self.balances > MAX_BALANCES {
-            self.end(Verdict::NotConverged);
+            self.end_unbalanced(left);
             return true;
         }
         yielding.advance(&step);

@@ -1,10 +1,10 @@
-//! The shape of a solve that ends without convergence: the valid shape with the least estimated error.
+//! The shape of a solve that ends without convergence: the valid shape with the least estimated error, if that is small.
 
 use super::multigrid::Multigrid;
 use super::{Displayed, Invalid, Progress, Solver, Stage, Verdict, fas};
 
-/// Estimated error below which the last shape of a failed multigrid solve of layered tissue is a start of Newton's method,
-/// and a shape to display \[base radius\].
+/// Estimated error up to which the last shape of a failed solve of layered tissue is a start of Newton's method, and a shape to display: beyond, or
+/// without an estimate, it is no approximation of an equilibrium, and its forces are those of no tissue \[base radius\].
 const MAX_ERROR_OF_SHAPE: f64 = 0.01;
 
 impl Solver {
@@ -12,12 +12,19 @@ impl Solver {
     /// coarse grid is far from the finest grid's.
     pub(super) fn keep_shape(&mut self) {
         let Some(ending) = self.multigrid.as_ref().map(Multigrid::ending) else { return };
-        let most = MAX_ERROR_OF_SHAPE * self.problem.obstacle.dome.reference_length();
-        let most = self.kept.map_or(most, |kept| kept.error);
-        let is_candidate = self.law.layered().is_some() && self.cycles() > 0 && ending.error < most;
-        if is_candidate && self.display_multigrid(Displayed::Draft) {
+        let is_least = self.kept.is_none_or(|kept| ending.error < kept.error);
+        let is_candidate = self.law.layered().is_some() && self.cycles() > 0 && is_least;
+        if is_candidate
+            && self.is_approximation(ending.error)
+            && self.display_multigrid(Displayed::Draft)
+        {
             self.kept = Some(ending);
         }
+    }
+
+    /// Is a shape with an estimated error \[mm\] an approximation of the equilibrium?
+    pub(super) fn is_approximation(&self, error: f64) -> bool {
+        error <= MAX_ERROR_OF_SHAPE * self.problem.obstacle.dome.reference_length()
     }
 
     /// Makes the last shape of layered tissue admissible: a step of Newton's method ends beside the dome by the square of
@@ -39,7 +46,8 @@ impl Solver {
             // Newton's method ended without a shape.
             self.stage = Stage::Multigrid;
         }
-        let has_shape = matches!(self.displayed, Displayed::Draft | Displayed::Final);
+        let is_shown = matches!(self.displayed, Displayed::Draft | Displayed::Final);
+        let has_shape = is_shown && (self.kept.is_some() || self.law.layered().is_none());
         self.invalid = (!has_shape).then_some(Invalid::NotFound);
         self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
     }
@@ -52,8 +60,10 @@ impl Solver {
         }
         let ending = self.multigrid.as_ref().map(Multigrid::ending);
         let is_better = |kept: fas::Ending| ending.is_some_and(|own| own.error <= kept.error);
+        let is_near = ending.is_some_and(|own| self.is_approximation(own.error));
         if self.stage == Stage::Multigrid
             && self.cycles() > 0
+            && (is_near || self.law.layered().is_none())
             && self.kept.is_none_or(is_better)
             && self.display_multigrid(Displayed::Draft)
         {
@@ -61,5 +71,50 @@ impl Solver {
         }
         self.end_with_last_shape();
         self.verdict = Verdict::NotConverged;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Dome, HalfBall, Obstacle};
+    use crate::solve::{Method, Options, samples};
+    use glam::DVec2;
+
+    /// Newton's method that ends after any part of its work, against its solution.
+    #[test]
+    fn a_failed_solve_has_a_shape_near_the_solution_or_none() {
+        let mut problem = samples::layered_at_rest(17);
+        let dome = Dome::new(DVec2::ZERO, HalfBall::round(50.0, 45.0), 1.0);
+        problem.obstacle = Obstacle::on_flat_wall(dome);
+        problem.tolerance = 1e-6;
+        let solved = |work_limit_factor: f64| {
+            let method = Method::Newton;
+            let options = Options { method, work_limit_factor, ..Options::default() };
+            let mut solver = Solver::with_options(problem.clone(), options);
+            solver.advance(&mut || false);
+            solver
+        };
+        let whole = solved(1.0);
+        assert_eq!(whole.verdict(), Verdict::Converged);
+        let mut endings = [0; 3];
+        for k in 0..24 {
+            // The limit on a grid this coarse.
+            let part = 0.72 + 0.0125 * f64::from(k);
+            let solver = solved(part * whole.work_units() / 7500.0);
+            let error = solver.estimated_position_error();
+            let found = solver.positions().iter().zip(whole.positions());
+            let most = found.map(|(x, y)| x.distance(*y)).fold(0.0, f64::max) / 50.0;
+            match (solver.verdict(), solver.invalid()) {
+                (Verdict::Converged, None) => endings[0] += 1,
+                (Verdict::NotConverged, None) => {
+                    assert!(error <= 0.01 && most <= 3.0 * error, "{part}: {error} {most}");
+                    endings[1] += 1;
+                }
+                (Verdict::Unstable, Some(_)) => endings[2] += 1,
+                other => panic!("{part}: {other:?}"),
+            }
+        }
+        assert!(endings.iter().all(|count| *count > 0), "{endings:?}");
     }
 }

@@ -435,12 +435,15 @@ impl Solver {
             self.invalid = newton.invalid(problem);
             let is_better = self.kept.is_none_or(|kept| newton.error() <= kept.error);
             if self.invalid.is_none() && (is_better || state == newton::State::Converged) {
-                self.kept = None;
+                let ending = fas::Ending::of(newton.error(), newton.relative_residual());
+                let is_end = state == newton::State::Converged || self.law.layered().is_none();
                 let offset_nodes = &mut self.offset_nodes;
                 newton.write_positions(problem, &mut self.x, offset_nodes, &mut self.outer);
                 self.mirrored = [false; 2];
                 self.revision += 1;
                 self.displayed = Displayed::Final;
+                let is_kept = !is_end && self.is_approximation(ending.error);
+                self.kept = is_kept.then_some(ending);
             }
         }
         match (state, self.invalid) {

@@ -79,9 +79,13 @@ impl NewtonMethod {
         delegate!(self, newton => newton.relative_residual())
     }
 
-    /// Estimated greatest node position error of the finest grid \[mm\].
+    /// Estimated greatest node position error of the finest grid \[mm\]; infinite for layered tissue without a balance of forces.
     pub(super) fn error(&self) -> f64 {
-        delegate!(self, newton => newton.error())
+        match self {
+            Self::Layered(newton) if !newton.is_balanced() => f64::INFINITY,
+            Self::Layered(newton) => newton.error(),
+            Self::Sheet(newton) => newton.error(),
+        }
     }
 
     /// Work since the last [`Self::clear_work`] \[evaluations of all nodal forces on the finest grid\].

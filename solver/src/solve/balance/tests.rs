@@ -4,6 +4,7 @@ use super::*;
 use crate::contact::{Deformed, Dome, HalfBall, MODES, Obstacle};
 use crate::curve::{Curve, CurveSpec, Fat, ScaledCurve};
 use crate::mesh::{Attachment, Chest, Edge, NaturalStretch, Patch, Rest, Sheet};
+use crate::solve::Verdict;
 use crate::solve::{Method, Options, Problem, Progress, Tissue, samples};
 use crate::springs::{Material, Springs};
 use glam::DVec2;

@@ -54,6 +54,11 @@ impl Ending {
         has_inverted_cell: false,
         leaves_contact_offsets: false,
     };
+
+    /// Of a shape of another method \[mm; -\].
+    pub(in crate::solve) fn of(error: f64, relative_residual: f64) -> Self {
+        Self { error, relative_residual, ..Self::NONE }
+    }
 }
 
 /// Result of a search for contact offsets.

@@ -101,9 +101,13 @@ impl<S: System> Newton<S> {
 
     /// The state of an iteration that ends: an estimate within the tolerance is convergence, although the last step was longer.
     pub(super) fn ended(&self, case: &Case<S::Law>) -> State {
-        let is_balanced = self.relative_residual <= S::PARAMETERS.max_residual_before_step;
-        let is_near = is_balanced && self.error <= case.tolerance;
+        let is_near = self.is_balanced() && self.error <= case.tolerance;
         if is_near { State::Converged } else { State::Stalled }
+    }
+
+    /// Was the residual before the last step small? Without a balance of forces the lengths of steps are no evidence.
+    pub(super) fn is_balanced(&self) -> bool {
+        self.relative_residual <= S::PARAMETERS.max_residual_before_step
     }
 
     /// Are error and step within the tolerance, and was the residual before the step small? Contact may shorten a step

@@ -212,6 +212,11 @@ impl<S: System> NestedNewton<S> {
         self.finest().error
     }
 
+    /// See [`Newton::is_balanced`].
+    pub(in crate::solve) fn is_balanced(&self) -> bool {
+        self.finest().is_balanced()
+    }
+
     /// Work since the last [`Self::clear_work`] \[evaluations of all nodal forces on the finest grid\].
     pub(in crate::solve) fn work_units(&self) -> f64 {
         let nodes = |level: &Newton<S>| level.grid.sheet().len() as f64;
