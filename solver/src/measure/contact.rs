@@ -191,7 +191,7 @@ impl Contact {
     /// Sets the pressure at the nodes, its mean and its greatest value.
     ///
     /// Under a sheet the pressure is smooth inside of the contact and jumps to zero at its edge. The mean is the force over the area in
-    /// contact, which changes without jumps: [`Contacted::total`]. A contact without nodes inside, or smaller than the area around a
+    /// contact, which changes without jumps: [`Contacted::of_sheet`]. A contact without nodes inside, or smaller than the area around a
     /// node, has its mean pressure everywhere.
     fn find_pressure(&mut self) {
         let touching: Vec<(usize, usize)> = self.touching().collect();
@@ -209,7 +209,7 @@ impl Contact {
             max = max.max(pressure);
         }
         let Self { part, nodes_per_side, .. } = *self;
-        let area = Contacted { part, nodes_per_side, force: &self.force, area: &self.area }.total();
+        let area = Contacted { part, nodes_per_side, force: &self.force, area: &self.area }.of_sheet();
         if area <= 0.0 {
             return;
         }
