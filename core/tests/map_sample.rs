@@ -63,8 +63,8 @@ fn the_opening_range_is_known_from_70_points() {
             (Q::GreatestStrain, 0.005),
             (Q::LeastCoverMm, 0.005),
             (Q::ForceN, 0.005),
-            (Q::MeanPressureKpa, 0.021),
-            (Q::GreatestPressureKpa, 0.0215),
+            (Q::MeanPressureKpa, 0.01),
+            (Q::GreatestPressureKpa, 0.021),
             (Q::SkinStressKpa, 0.02),
             (Q::SkinProjectionMm, 0.001),
         ] {

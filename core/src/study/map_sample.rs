@@ -62,12 +62,12 @@ impl Source {
 /// The error that the points are chosen for \[value\]; `None` of a quantity that chooses none.
 fn aim(quantity: Quantity) -> Option<f64> {
     use Quantity::{
-        ApexCoverMm, ForceN, GreatestStrain, LeastCoverMm, MeanPressureKpa, SkinStressKpa,
+        ApexCoverMm, ForceN, GreatestPressureKpa, GreatestStrain, LeastCoverMm, MeanPressureKpa,
+        SkinStressKpa,
     };
     match quantity {
         GreatestStrain | LeastCoverMm | ApexCoverMm | ForceN => Some(0.005),
-        MeanPressureKpa => Some(0.01),
-        SkinStressKpa => Some(0.02),
+        MeanPressureKpa | GreatestPressureKpa | SkinStressKpa => Some(0.02),
         _ => None,
     }
 }

@@ -54,6 +54,8 @@ const GROWN: f64 = 3e-5;
 
 /// Least number of cells along the radius of a mesh of the nested iteration.
 const COARSEST_COLUMNS: usize = 32;
+/// Cells inside of the contact over which the pressure locates its edge.
+const EDGE_CELLS: usize = 4;
 
 /// Centred dome, patch of tissue and mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -203,6 +205,27 @@ impl Solution {
     #[must_use]
     pub fn greatest_pressure_kpa(&self) -> f64 {
         self.pressure_kpa.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Mean pressure of the dome \[kPa\]: the normal force over the area within the contact's edge, where the square of the pressure, extrapolated from the last
+    /// nodes inside, is zero; `None` with a contact of too few nodes.
+    #[must_use]
+    pub fn mean_pressure_kpa(&self) -> Option<f64> {
+        // The last node's own surroundings are partly free.
+        let last =
+            self.pressure_kpa.iter().rposition(|pressure| *pressure > 0.0)?.checked_sub(1)?;
+        let first = last.checked_sub(EDGE_CELLS)?;
+        let square = |node: usize| self.pressure_kpa[node].powi(2);
+        let fall = (square(first) - square(last)) / EDGE_CELLS as f64;
+        let edge = (last as f64 + square(last) / fall).max(last as f64);
+        let (mut force, mut area) = (0.0, 0.0);
+        for (cell, pair) in self.mesh.windows(2).enumerate() {
+            let [[r, z], [r_next, z_next]] = [pair[0].1[0], pair[1].1[0]];
+            let of_cell = PI * (r + r_next) * (r_next - r).hypot(z_next - z);
+            force += 0.5 * (self.pressure_kpa[cell] + self.pressure_kpa[cell + 1]) * of_cell;
+            area += (edge - cell as f64).clamp(0.0, 1.0) * of_cell;
+        }
+        Some(force / area)
     }
 
     /// The outer node of the cell at a material radius \[mm\] and the place in the cell, 0 to 1.

@@ -95,7 +95,7 @@ impl Contact {
             pressure: None,
             peaks: [0.0; 2],
         };
-        contact.find_pressure();
+        contact.find_pressure(solution);
         contact.find_peaks(solution);
         contact
     }
@@ -190,10 +190,10 @@ impl Contact {
 
     /// Sets the pressure at the nodes, its mean and its greatest value.
     ///
-    /// Under a sheet the pressure is smooth inside of the contact and jumps to zero at its edge. The mean is the force over the area in
-    /// contact, which changes without jumps: [`Contacted::of_sheet`]. A contact without nodes inside, or smaller than the area around a
-    /// node, has its mean pressure everywhere.
-    fn find_pressure(&mut self) {
+    /// The mean is the force over the area in contact, which changes without jumps: [`Contacted`]. Under a sheet the pressure is smooth inside of the
+    /// contact and jumps to zero at its edge; a contact without nodes inside, or smaller than the area around a node, has its mean pressure
+    /// everywhere. The area of solid tissue in contact with few nodes is not known: the mean is at most the greatest pressure.
+    fn find_pressure(&mut self, solution: &Solution) {
         let touching: Vec<(usize, usize)> = self.touching().collect();
         let (mut force, mut max) = (0.0, 0.0_f64);
         for &(k, node) in &touching {
@@ -208,13 +208,23 @@ impl Contact {
             self.at_nodes[k] = pressure;
             max = max.max(pressure);
         }
-        let Self { part, nodes_per_side, .. } = *self;
-        let area = Contacted { part, nodes_per_side, force: &self.force, area: &self.area }.of_sheet();
-        if area <= 0.0 {
+        if force <= 0.0 {
             return;
         }
+        let Self { part, nodes_per_side, .. } = *self;
+        let contacted = Contacted { part, nodes_per_side, force: &self.force, area: &self.area };
+        let area = if self.is_solid {
+            let (sheet, dome) = (solution.problem().sheet(), &solution.problem().obstacle.dome);
+            contacted.of_solid(|node| {
+                let (gauge, gradient) = dome.gauge_and_gradient(solution.inner()[node]);
+                (sheet.kinds()[node] == NodeKind::Free).then(|| gauge / gradient.length())
+            })
+        } else {
+            contacted.of_sheet()
+        };
         let mean = force / area;
-        for &(k, _) in touching.iter().filter(|(k, _)| self.is_solid || !self.inside[*k]) {
+        let mean = if self.is_solid { mean.min(max) } else { mean };
+        for &(k, _) in touching.iter().filter(|(k, _)| !(self.is_solid || self.inside[*k])) {
             if self.at_nodes[k] <= 0.0 || max <= mean {
                 self.at_nodes[k] = mean;
             }

@@ -3,7 +3,7 @@
 //! Strains are recovered at the nodes from the adjacent triangles; areas and forces are sums over the sheet. The
 //! contact edge is located between nodes, from the opening gap. The only input is a [`Solution`].
 //!
-//! `outcome` (the fields of a result) | `layers` (stresses) | `contact` (pressure, edge), `contact_area` (between the nodes) | `profile` | `fields` (nodal fields, computed on demand) |
+//! `outcome` (the fields of a result) | `layers` (stresses) | `contact` (pressure, edge), `contact_area/` (between the nodes) | `profile` | `fields` (nodal fields, computed on demand) |
 //! `in_body` (an implant that yields) | `selection` (the fields asked for) | `column` (of a table of results) | `wrinkles` (state of skin that wrinkles) | `surface` (closed surfaces) | `bands` (limits of strain and pressure, with words and sources).
 //!
 //! Uses `curve`, `clinical`, `springs`, `mesh`, `contact`, `model`, `solve`. Used by `scene` and all to its right.

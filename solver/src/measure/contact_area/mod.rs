@@ -1,11 +1,12 @@
 //! The contact area between the nodes.
 //!
-//! A grid resolves the contact's edge to a spacing. The forces on the nodes beside the edge resolve more, and make an area that changes without jumps with
-//! the scene.
+//! A grid resolves the contact's edge to a spacing. What the nodes beside the edge have, forces under a sheet, gaps beside solid tissue, resolves more, and
+//! makes an area that changes without jumps with the scene.
 //!
-//! `sheet`
+//! `sheet` | `solid`
 
 mod sheet;
+mod solid;
 
 use crate::mesh::part::Part;
 use glam::{DMat2, DVec2, dvec2};
