@@ -1,5 +1,8 @@
 //! Completed work, for the figures of a running app and for tests.
 
+use super::Session;
+use crate::measure::Fields;
+
 /// Counters of completed work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counters {
@@ -31,4 +34,26 @@ pub struct Counters {
     pub previews: u64,
     /// Solutions shared by pins and the current scene instead of a solve.
     pub shared: u64,
+}
+
+impl Session {
+    /// Counts the work of fields that are not used any more.
+    pub(super) fn count_fields(&self, fields: &Fields) {
+        let (recoveries, computed) = work_of(fields);
+        self.count(|c| {
+            c.recoveries += recoveries;
+            c.fields += computed;
+        });
+    }
+
+    pub(super) fn count(&self, add: impl FnOnce(&mut Counters)) {
+        let mut counters = self.counters.get();
+        add(&mut counters);
+        self.counters.set(counters);
+    }
+}
+
+/// Numbers of recovered deformations and computed fields of one solution.
+pub(super) fn work_of(fields: &Fields) -> (u64, u64) {
+    (u64::from(fields.solution().has_deformation()), fields.computed())
 }

@@ -435,26 +435,6 @@ impl Session {
             self.count_fields(&fields);
         }
     }
-
-    /// Counts the work of fields that are not used any more.
-    fn count_fields(&self, fields: &Fields) {
-        let (recoveries, computed) = work_of(fields);
-        self.count(|c| {
-            c.recoveries += recoveries;
-            c.fields += computed;
-        });
-    }
-
-    fn count(&self, add: impl FnOnce(&mut Counters)) {
-        let mut counters = self.counters.get();
-        add(&mut counters);
-        self.counters.set(counters);
-    }
-}
-
-/// Numbers of recovered deformations and computed fields of one solution.
-fn work_of(fields: &Fields) -> (u64, u64) {
-    (u64::from(fields.solution().has_deformation()), fields.computed())
 }
 
 #[cfg(test)]

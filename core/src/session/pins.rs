@@ -4,8 +4,9 @@
 //! current scene shows the solution of a pin without a solve, and pins of a file are solved once each, after the current
 //! scene, by [`Session::advance_pins`].
 
+use super::counters::work_of;
 use super::other_side::{OTHER, OtherSide, Solved};
-use super::{CommandError, Session, work_of};
+use super::{CommandError, Session};
 use crate::measure::{Fields, Outcome, Status};
 use crate::scene::pins::{MAX_PINS, check_name, document_json};
 use crate::scene::{CheckedScene, Letter, PinnedScene, Scene, SceneError, Side};
