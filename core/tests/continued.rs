@@ -1,7 +1,7 @@
 //! Solves that continue from the solution of another scene, against solves from nothing.
 #![allow(clippy::unwrap_used)] // helpers of tests are tests
 
-use implant_preview_core::scene::Scene;
+use implant_preview_core::scene::{Fill, Scene};
 use implant_preview_core::solve::{Options, Progress, Solver, Verdict};
 
 type Change = fn(&mut Scene, f64);
@@ -79,6 +79,46 @@ fn drags_take_two_thirds_of_the_work_of_solves_from_nothing() {
         }
         let ratio = all[0] / all[1];
         assert!(ratio < 0.67, "chest {chest}: {ratio:.2}");
+    }
+}
+
+/// The numbers of the deformation of an implant that yields.
+fn modes(solver: &Solver) -> [f64; 8] {
+    solver.problem().obstacle.dome.shape.soft().unwrap().modes()
+}
+
+/// Implants that yield continue from their last deformation, over half and whole patches too.
+#[test]
+fn drags_of_implants_that_yield_take_two_thirds_of_the_work_of_solves_from_nothing() {
+    for fill in [Fill::Cohesive, Fill::Soft, Fill::Saline] {
+        let mut work = [0.0; 2];
+        for (name, change) in DRAGS {
+            let of = |edit: u32| {
+                let mut scene = base(33, true);
+                scene.implant.fill = Some(fill);
+                change(&mut scene, f64::from(edit) / 24.0);
+                scene
+            };
+            let mut solver = cold(&of(0));
+            for edit in 1..=5 {
+                let scene = of(edit);
+                let is_continued;
+                (solver, is_continued) = after(solver, &scene);
+                let other = cold(&scene);
+                assert!(is_continued, "{fill:?}, {name} {edit}");
+                work[0] += solver.work_units();
+                work[1] += other.work_units();
+                let distance = apart(&solver, &other);
+                let most = scene.solver.tolerance;
+                assert!(distance <= most, "{fill:?}, {name} {edit}: {distance:.1e}");
+                for (own, new) in modes(&solver).into_iter().zip(modes(&other)) {
+                    assert!((own - new).abs() < 2.0 * most, "{fill:?}, {name} {edit}: {own} {new}");
+                }
+            }
+        }
+        let ratio = work[0] / work[1];
+        println!("{fill:?}: {ratio:.2}");
+        assert!(ratio < 0.67, "{fill:?}: {ratio:.2}");
     }
 }
 

@@ -10,7 +10,8 @@ const MOST_IN_A_ROW: u32 = 16;
 
 impl Solver {
     /// Starts another problem from the last solution, moved along with the dome, where that is possible and worth while, else as
-    /// [`Self::restart`]; returns whether it does. Of layered tissue with a converged solution, the same law, grid and symmetry.
+    /// [`Self::restart`]; returns whether it does. Of layered tissue with a converged solution, the same law, grid and symmetry. An implant
+    /// that yields continues from the numbers of its last deformation.
     ///
     /// A solve that begins too far from its solution starts from nothing after the first cycle. The estimated error of the discretisation is
     /// that of the last solve from nothing, at most 16 solves before.
@@ -41,11 +42,10 @@ impl Solver {
 
     fn may_continue(&self, problem: &Problem) -> bool {
         let mirrored = problem.mirrored().map(|holds| self.options.use_symmetry && holds);
-        let fits = |multigrid: &Multigrid| {
-            multigrid.modes().is_none() && multigrid.fits(problem, mirrored, &self.law)
-        };
+        let fits = |multigrid: &Multigrid| multigrid.fits(problem, mirrored, &self.law);
+        let yields = |problem: &Problem| Yielding::of(problem, mirrored).is_some();
         let is_like_before = self.has_law_of(problem)
-            && Yielding::of(problem, mirrored).is_none()
+            && yields(problem) == yields(&self.problem)
             && problem.void.is_none()
             && self.problem.void.is_none()
             && problem.rest.growth() <= 0.0

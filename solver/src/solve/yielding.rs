@@ -104,6 +104,12 @@ impl Yielding {
         Some(Self { gel: soft.gel(), height, fixed, modes: soft.modes(), learned, before: None })
     }
 
+    /// The implant of another problem with the same symmetry: its numbers, and what is learned of the tissue, are those so far.
+    pub(super) fn in_problem(self, problem: &Problem) -> Option<Self> {
+        let Self { gel, height, .. } = Self::of(problem, [false; 2])?;
+        Some(Self { gel, height, before: None, ..self })
+    }
+
     /// Forgets the last step, which belongs to another grid.
     pub(super) fn begin_grid(&mut self) {
         self.before = None;

@@ -1,7 +1,8 @@
 //! A solve that continues from the solution of another problem: an implant that is dragged, tissue of another thickness.
 //!
 //! The columns move as the initial guess moves from one dome to the next, the pressure of nearly incompressible tissue and the blocks of all
-//! grids are kept, and the cycles begin on the finest grid. The first one shows how far the solution is.
+//! grids are kept, and the cycles begin on the finest grid. The first one shows how far the solution is. An implant that yields keeps the numbers of
+//! its deformation, from one body to the next, and what its steps have learned of the tissue.
 
 use super::{FullMultigrid, Mode, Stop};
 use crate::model::ElasticModel;
@@ -20,8 +21,13 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// The moves from one problem to another; `None` of moves that are too long.
     pub(in crate::solve) fn moves(&self, from: &Problem, to: &Problem) -> Option<Moves> {
         let [.., guide, finest] = &*self.levels else { return None };
-        // The coarser grid resolves the moves.
-        let guess = |problem: &Problem| guide.guess(problem, &problem.obstacle.dome);
+        // The coarser grid resolves the moves. An implant that yields is as deformed in both.
+        let modes = self.modes();
+        let guess = |problem: &Problem| {
+            let mut dome = problem.obstacle.dome.clone();
+            modes.into_iter().for_each(|modes| dome.set_modes(modes));
+            guide.guess(problem, &dome)
+        };
         let moves = guess(to).into_iter().zip(guess(from)).map(|(to, from)| 2.0 * (to - from));
         let moves: Vec<DVec3> = moves.collect();
         let longest = moves.iter().map(|way| way.length_squared()).fold(0.0, f64::max).sqrt();
@@ -41,6 +47,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
     ) {
         self.before_growth = (0, self.change_by_refinement());
         self.set_up(problem, stop, draft_tolerance);
+        self.yielded = self.yielded.take().and_then(|last| last.in_problem(problem));
         self.is_continued = true;
         self.place(&problem.obstacle);
         let finest = self.levels.len() - 1;

@@ -36,6 +36,11 @@ impl Yielded {
         Some(Self { own, last, patience: None, moved: f64::INFINITY, waited: 0 })
     }
 
+    /// The implant of another problem with the same symmetry, as deformed.
+    pub(super) fn in_problem(self, problem: &Problem) -> Option<Self> {
+        Some(Self { own: self.own.in_problem(problem)?, ..self })
+    }
+
     pub(super) fn modes(&self) -> Modes<f64> {
         self.own.modes
     }
