@@ -1,6 +1,6 @@
 // What an edit costs while a value is dragged in the built page, one edit a frame: the solver's time in the edit's frame, the time
 // from frame to frame, how many edits have a measured shape at the end of their frame, and the time from the last edit until the
-// scene's own grid is solved.
+// scene's own grid is solved, with its frames and the solver's time in them.
 //
 // node tests/browser/drag.mjs [NODES_PER_SIDE [TISSUE_MODEL]] [--edits 60] [--seconds 20] [--plan opening|default] [--undrawn]
 //     [--page FOLDER]...
@@ -94,8 +94,11 @@ function drag(page, opening, edit) {
         measured += Number(stats.measurements > before);
         from = now;
       }
+      const { frames: drawn, solve_ms: spent } = implantPreview.stats();
       const isAtRest = await until(isSolved, rest);
-      return { solver, frames, measured, rest: isAtRest ? performance.now() - last : Infinity };
+      const stats = implantPreview.stats();
+      const own = { frames: stats.frames - drawn, solver: stats.solve_ms - spent };
+      return { solver, frames, measured, own, rest: isAtRest ? performance.now() - last : Infinity };
     },
     { opening, edit: edit.toString(), edits, seconds, rest: REST },
   );
@@ -127,13 +130,13 @@ for (const folder of options.page) {
 }
 if (!options.undrawn) await drawLast(browser);
 console.log(`${plan} plan, ${tissueModel}, ${nodesPerSide} nodes a side, ${edits} edits${options.undrawn ? ", not drawn" : ""}`);
-console.log("value       solver [ms]: median, 95 %; from frame to frame [ms]: median, 95 %; measured of edits; solved after [ms]");
+console.log("value       solver [ms]: median, 95 %; from frame to frame [ms]: median, 95 %; measured of edits; solved after [ms]: frames, solver [ms]");
 for (const [name, edit] of Object.entries(DRAGS)) {
   for (const { folder, page, opening } of pages) {
     await page.bringToFront();
-    const { solver, frames, measured, rest } = await drag(page, opening, edit);
+    const { solver, frames, measured, own, rest } = await drag(page, opening, edit);
     const words = pages.length > 1 ? ` ${folder}` : "";
-    console.log(`${name.padEnd(10)}${summary(solver)}${summary(frames)}   ${measured} of ${solver.length}${rest.toFixed(0).padStart(6)}${words}`);
+    console.log(`${name.padEnd(10)}${summary(solver)}${summary(frames)}   ${measured} of ${solver.length}${rest.toFixed(0).padStart(6)}: ${own.frames}, ${own.solver.toFixed(0)}${words}`);
     assert.ok(Number.isFinite(rest), `${name}: not solved ${REST} s after the last edit`);
   }
 }

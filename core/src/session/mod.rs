@@ -9,6 +9,7 @@ mod coarse;
 mod command;
 mod counters;
 mod other_side;
+mod pace;
 mod pins;
 mod reading;
 mod record;
@@ -17,7 +18,7 @@ use crate::measure::{Fields, Outcome};
 use crate::scene::pins::document_json;
 use crate::scene::{CheckedScene, Document, Scene, SceneError};
 use crate::simulate;
-use crate::solve::{Displayed, Invalid, Options, Progress, Solver};
+use crate::solve::{Displayed, Invalid, Options, Progress, Solver, Verdict};
 use crate::springs::stability::Limits;
 use coarse::Coarse;
 pub use command::{Command, CommandError};
@@ -303,6 +304,7 @@ impl Session {
         let (work, revision) = (self.solver.work_units(), self.solver.revision());
         let progress = self.solver.advance(pause);
         let work = self.solver.work_units() - work;
+        self.coarse.pace.add(work, self.solver.problem());
         let displayed = self.solver.displayed();
         // The solution of the coarser grid is a better shape than a start of the own one.
         let is_start = matches!(displayed, Displayed::Coarse { .. })
@@ -325,6 +327,11 @@ impl Session {
             }
         }
         if has_moved || progress == Progress::Done {
+            if self.solver.displayed() == Displayed::Draft
+                || self.solver.verdict() == Verdict::Converged
+            {
+                self.note_error();
+            }
             self.coarse.clear();
             self.reshaped();
         }

@@ -21,8 +21,10 @@ use web_time::{Duration, Instant};
 
 /// Time limit of a slice of solving; the running step is finished.
 const SLICE: Duration = Duration::from_millis(10);
-/// The same where a coarser grid is solved first: its whole solve, or the scene's own grid while the hand rests.
-const SLICE_AT_REST: Duration = Duration::from_millis(30);
+/// The same of the solve on a coarser grid: the first one of a drag starts from nothing and takes twice as long as the next ones.
+const SLICE_OF_EDIT: Duration = Duration::from_millis(60);
+/// The same of the scene's own grid after a coarser one, the longer the hand rests.
+const SLICES_AT_REST: [Duration; 2] = [Duration::from_millis(30), Duration::from_millis(60)];
 /// Upper limit of a slice of a long solve or of a pin, for slow frames.
 const LONG_SLICE: Duration = Duration::from_millis(200);
 /// Time limit of the first slice, which solves most opening scenes.
@@ -161,25 +163,34 @@ impl App {
         let running = self.shared.solving.unwrap_or(first);
         // The app is of no use before its first shape.
         let is_opening = self.shared.session.outcome().is_none() && running.since == now;
+        let session = &mut self.shared.session;
         let slice = if is_opening {
             FIRST_SLICE
+        } else if session.is_on_coarser_grid() {
+            SLICE_OF_EDIT
         } else if running.since.elapsed() > LONG {
             long_slice(ctx)
-        } else if self.shared.session.has_coarser_grid() {
-            SLICE_AT_REST
+        } else if session.has_coarser_grid() {
+            let [least, most] = SLICES_AT_REST;
+            running.start.elapsed().clamp(least, most)
         } else {
             SLICE
         };
-        let mut progress = self.shared.session.solve(&mut || now.elapsed() >= slice);
+        let mut progress = session.solve(&mut || now.elapsed() >= slice);
         // A draft to display would cost the opening scene a frame more: the first frames are slow.
         while is_opening && progress == Progress::Working && now.elapsed() < slice {
-            progress = self.shared.session.solve(&mut || now.elapsed() >= slice);
+            progress = session.solve(&mut || now.elapsed() >= slice);
         }
+        session.note_time(now.elapsed().as_secs_f64());
         let scene = if is_opening { SliceOf::OpeningScene } else { SliceOf::EditedScene };
         self.shared.timing.add_slice(1000.0 * now.elapsed().as_secs_f64(), scene);
         self.shared.session.conclude();
-        let fraction = running.fraction.max(self.shared.session.fraction_done());
-        self.shared.solving = Some(RunningSolve { fraction, ..running });
+        let session = &self.shared.session;
+        let fraction = running.fraction.max(session.fraction_done());
+        // The solution of a coarser grid is a shape with its numbers: no edit of the drag waits for the ones before.
+        let has_solution = session.coarser_nodes_per_side().is_some();
+        let since = if has_solution { running.start } else { running.since };
+        self.shared.solving = Some(RunningSolve { since, fraction, ..running });
         if let Some(fault) = self.shared.session.reverted() {
             let reason = tr(no_shape(Some(fault)));
             self.notice = Some(Notice::error(tr!(
