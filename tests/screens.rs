@@ -44,6 +44,8 @@ mod form;
 mod frame;
 #[path = "common/frames.rs"]
 mod frames;
+#[path = "screens/gated.rs"]
+mod gated;
 #[path = "screens/hands.rs"]
 mod hands;
 #[path = "screens/long_solve.rs"]

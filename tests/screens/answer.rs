@@ -1,5 +1,6 @@
 //! The answer: cards, sentence, summary, limits.
 
+use super::gated::gated;
 use super::*;
 
 /// Visible texts of the last frame that end in "…" for want of room.
@@ -72,21 +73,30 @@ fn the_first_plan_is_a_usual_one_with_every_card_computed() {
 
 #[test]
 fn the_summary_describes_the_answer() {
-    let mut harness = app(DESKTOP, |scene| *scene = flat_plan());
-    // Before its end the comparison with practice is not passed off as done.
-    assert!(harness.query_by_label("Up to date").is_none());
-    harness.get_by_label("Comparing with practice…");
-    let summary = harness.state().summary();
-    assert!(
-        summary.contains(" The comparison with practice is still being computed."),
-        "{summary}"
-    );
-    wait_until(&mut harness, "the ranges", |harness| {
-        harness.query_by_label("Computing the ranges…").map(|_| ())
+    let (mut harness, gate) = gated(flat_plan());
+    settle(&mut harness);
+    // Before its end no study is passed off as done: one result arrives a frame.
+    let studies = [
+        ("Comparing with practice…", " The comparison with practice is still being computed."),
+        ("Computing the largest volume…", " The largest volume is still being computed."),
+        ("Computing the ranges…", " The ranges over patients are still being computed."),
+        ("Up to date", " Up to date."),
+    ];
+    let mut seen = vec![];
+    wait_until(&mut harness, "the end", |harness| {
+        let summary = harness.state().summary();
+        let at = studies.iter().position(|(status, _)| harness.query_by_label(status).is_some());
+        let at = at.unwrap_or_else(|| panic!("no status: {summary}"));
+        for (study, (_, words)) in studies.iter().enumerate() {
+            assert_eq!(summary.contains(words), study == at, "{}: {summary}", studies[at].0);
+        }
+        if seen.last() != Some(&at) {
+            seen.push(at);
+        }
+        gate.pass(1);
+        (at == 3).then_some(())
     });
-    let summary = harness.state().summary();
-    assert!(summary.contains(" The ranges over patients are still being computed."), "{summary}");
-    wait_until(&mut harness, "the end", |harness| harness.query_by_label("Up to date").map(|_| ()));
+    assert_eq!(seen, [0, 1, 2, 3]);
     assert!(
         text_with(&harness, " patients, ").is_some() || text_with(&harness, " of 10 ").is_some()
     );

@@ -1,10 +1,8 @@
 //! Words against practice: the card, the table of a clinic, the measurements of its corrections, plans that are not compared.
 
+use super::gated::gated;
 use super::*;
-use implant_preview::app::JobRunner;
-use implant_preview::study::{Case, Finished, Job, Runner};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A table of one rule: 100 ml more than the built-in one for 12 cm.
 const TABLE: &str = "measure;is;value;unit;volume_ml;source\nbase width;at;11;cm;350;our clinic\nbase width;at;13;cm;450;\nfold;above;9,5;cm;30;\n";
@@ -172,50 +170,17 @@ fn a_plan_that_practice_does_not_know_has_the_words_of_its_skin_and_the_reason()
     }
 }
 
-/// A runner whose results wait until the gate opens.
-struct Gated {
-    runner: Box<JobRunner>,
-    is_open: Arc<AtomicBool>,
-}
-
-impl Runner for Gated {
-    type Job = Job;
-    type Done = Vec<Case>;
-
-    fn submit(&mut self, job: Job) -> usize {
-        self.runner.submit(job)
-    }
-
-    fn cancel(&mut self, index: usize) {
-        self.runner.cancel(index);
-    }
-
-    fn poll(&mut self) -> Option<Finished<Vec<Case>>> {
-        self.is_open.load(Ordering::Relaxed).then(|| self.runner.poll())?
-    }
-
-    fn next(&mut self) -> Option<Finished<Vec<Case>>> {
-        self.poll()
-    }
-}
-
 #[test]
 fn a_legend_has_no_words_before_practice_is_known() {
     for (page, unit) in [("Stretch", "Skin stretch [%]"), ("Range of implants", "%")] {
-        let is_open = Arc::new(AtomicBool::new(false));
-        let gate = Arc::clone(&is_open);
-        let start = |wake| -> Box<JobRunner> {
-            Box::new(Gated { runner: beside_window(wake), is_open: gate })
-        };
-        let app = App::new(&egui::Context::default(), None, flat_plan(), start).unwrap();
-        let mut harness = window(DESKTOP, 400, app);
+        let (mut harness, gate) = gated(flat_plan());
         harness.get_by_role_and_label(Role::Button, page).click();
         let has = |harness: &Harness<'static, App>, text: &str| {
             painted_texts(harness).iter().any(|painted| painted == text)
         };
         wait_until(&mut harness, "the legend", |harness| has(harness, unit).then_some(()));
         assert!(!has(&harness, "above practice"), "{page}");
-        is_open.store(true, Ordering::Relaxed);
+        gate.pass(1000);
         wait_until(&mut harness, "a word of practice", |harness| {
             // A word of the skin by itself.
             assert!(!has(harness, "high"), "{page}");
