@@ -247,7 +247,7 @@ impl Solver {
             (.., Some(newton)) => newton.error(),
             _ => f64::INFINITY,
         };
-        error / self.problem.obstacle.dome.reference_length()
+        (error / self.problem.obstacle.dome.reference_length()).max(self.left)
     }
 
     /// See [`Report::estimated_discretisation_error`].

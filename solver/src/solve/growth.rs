@@ -14,8 +14,10 @@ use crate::model::membrane::triangle::{Principal, Rest as RestTriangle};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// Greatest change of Γ that another solve asks for at the end \[-\]: the tension of the opening plan's skin at φ = 1 is then even to 1 %.
-const TOLERANCE: f64 = 3e-4;
+/// Bounds of the greatest change of Γ that another solve asks for at the end \[-\], which is the tolerance of positions between the bounds: a
+/// change of Γ is one of positions by 0.2 to 0.7 of it \[base radius\]. The upper one makes the tension of the opening plan's skin at φ = 1 even to
+/// 1 %, the lower one is above the rounding of Γ.
+const TOLERANCE: (f64, f64) = (2e-6, 3e-4);
 
 /// Change of Γ above which the next solve is rough \[-\].
 const ROUGH: f64 = 2e-3;
@@ -26,8 +28,8 @@ const ROUGH_CYCLES: (u32, u32) = (2, 8);
 /// Part of the least change of Γ so far above which a solve has brought nothing: what the rough solve left is mixed with the growth.
 const STALLED: f64 = 0.85;
 
-/// Solves after the first one at most, and the change of Γ up to which the last one is accepted \[-\].
-const MOST_SOLVES: (u32, f64) = (24, 1e-3);
+/// Solves after the first one at most, and the change of Γ up to which the last one is accepted \[tolerance of Γ\].
+const MOST_SOLVES: (u32, f64) = (24, 3.3);
 
 /// Solves whose growths are mixed.
 const DEPTH: usize = 4;
@@ -141,10 +143,13 @@ impl Solver {
         let is_sealed = matches!(pull, Pull::Enough);
         let (most, accepted) = MOST_SOLVES;
         let is_last = self.growths.solves >= most;
-        let is_enough = change < TOLERANCE && !is_rough && is_sealed;
+        let (least_tolerance, most_tolerance) = TOLERANCE;
+        let tolerance = self.problem.tolerance.clamp(least_tolerance, most_tolerance);
+        let is_enough = change < tolerance && !is_rough && is_sealed;
         if is_enough || is_last {
             self.growths = Growths::default();
-            let is_converged = is_enough || change < accepted && is_sealed;
+            self.left = change;
+            let is_converged = is_enough || change < accepted * tolerance && is_sealed;
             let verdict = if is_converged { Verdict::Converged } else { Verdict::NotConverged };
             return self.end_sealed(verdict);
         }

@@ -11,10 +11,13 @@ impl Solver {
     /// Displays the last shape of a failed attempt on the finest grid if its estimated error is the least so far; the shape of a
     /// coarse grid is far from the finest grid's.
     pub(super) fn keep_shape(&mut self) {
-        let Some(ending) = self.multigrid.as_ref().map(Multigrid::ending) else { return };
+        if self.law.layered().is_none() || self.cycles() == 0 {
+            return;
+        }
+        let Some(multigrid) = &mut self.multigrid else { return };
+        let ending = multigrid.ending_by_balance();
         let is_least = self.kept.is_none_or(|kept| ending.error < kept.error);
-        let is_candidate = self.law.layered().is_some() && self.cycles() > 0 && is_least;
-        if is_candidate
+        if is_least
             && self.is_approximation(ending.error)
             && self.display_multigrid(Displayed::Draft)
         {
@@ -58,11 +61,12 @@ impl Solver {
         if self.progress == Progress::Done {
             return;
         }
-        let ending = self.multigrid.as_ref().map(Multigrid::ending);
+        let is_begun = self.stage == Stage::Multigrid && self.cycles() > 0;
+        let multigrid = self.multigrid.as_mut().filter(|_| is_begun);
+        let ending = multigrid.map(Multigrid::ending_by_balance);
         let is_better = |kept: fas::Ending| ending.is_some_and(|own| own.error <= kept.error);
         let is_near = ending.is_some_and(|own| self.is_approximation(own.error));
-        if self.stage == Stage::Multigrid
-            && self.cycles() > 0
+        if is_begun
             && (is_near || self.law.layered().is_none())
             && self.kept.is_none_or(is_better)
             && self.display_multigrid(Displayed::Draft)
@@ -71,6 +75,13 @@ impl Solver {
         }
         self.end_with_last_shape();
         self.verdict = Verdict::NotConverged;
+    }
+
+    /// Ends the solve as if the last shape were invalid, for tests of what follows.
+    #[doc(hidden)]
+    pub fn end_with(&mut self, invalid: Invalid) {
+        self.invalid = Some(invalid);
+        self.end(Verdict::NotConverged);
     }
 }
 

@@ -84,6 +84,8 @@ pub struct Solver {
     mirrored: Mirrored,
     invalid: Option<Invalid>,
     displayed: Displayed,
+    /// Position error of a solution by what growth of the skin and void are still to change \[base radius\].
+    left: f64,
     /// The ending of the failed attempt of layered tissue whose shape is displayed.
     kept: Option<fas::Ending>,
     /// Number of changes of [`Self::x`].
@@ -138,6 +140,7 @@ impl Solver {
             balances: 0,
             yielding: None,
             displayed: Displayed::Previous,
+            left: 0.0,
             kept: None,
             revision: 0,
             tables_built: 1,
@@ -227,6 +230,7 @@ impl Solver {
         self.yielding = None;
         self.invalid = None;
         self.displayed = Displayed::Previous;
+        self.left = 0.0;
         self.kept = None;
         if let Some(newton) = &mut self.newton {
             newton.clear_work();
@@ -484,13 +488,6 @@ impl Solver {
         }
         self.progress = Progress::Done;
         self.displayed = Displayed::Final;
-    }
-
-    /// Ends the solve as if the last shape were invalid, for tests of what follows.
-    #[doc(hidden)]
-    pub fn end_with(&mut self, invalid: Invalid) {
-        self.invalid = Some(invalid);
-        self.end(Verdict::NotConverged);
     }
 }
 

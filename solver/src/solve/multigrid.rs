@@ -24,6 +24,10 @@ const MOST_ATTEMPTS: u32 = 10;
 /// attempts \[-\]. Saline under tight skin: of four patients two need the one, one the other.
 const PATIENCE: [f64; 2] = [1.0, 0.6];
 
+/// Work after which no further attempt begins \[force evaluations times cells: two seconds of a core\], and the least limit, on fine grids
+/// \[force evaluations\].
+const MOST_WORK: (f64, f64) = (36e6, 400.0);
+
 /// An attempt: how many rounds are over, and its number in the round, from 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attempt {
@@ -182,6 +186,9 @@ impl Multigrid {
         stop: Stop,
         attempt: &mut Attempt,
     ) -> bool {
+        if self.has_worked_enough(problem) {
+            return false;
+        }
         attempt.number += 1;
         if !self.start_attempt(problem, stop, attempt.number) {
             if attempt.round == PATIENCE.len() || self.modes().is_none() || self.is_slow() {
@@ -195,6 +202,12 @@ impl Multigrid {
         let patience = attempt.round.checked_sub(1).map(|round| PATIENCE[round]);
         delegate!(self, scheme => scheme.wait_for_tissue(patience));
         true
+    }
+
+    fn has_worked_enough(&self, problem: &Problem) -> bool {
+        let (most, least) = MOST_WORK;
+        let cells = self.nodes() * problem.rest.cells().len().max(1);
+        self.work_units() > (most / cells as f64).max(least)
     }
 
     fn is_slow(&self) -> bool {
@@ -262,6 +275,11 @@ impl Multigrid {
 
     pub(super) fn ending(&self) -> Ending {
         delegate!(self, scheme => scheme.ending())
+    }
+
+    /// See [`FullMultigrid::ending_by_balance`].
+    pub(super) fn ending_by_balance(&mut self) -> Ending {
+        delegate!(self, scheme => scheme.ending_by_balance())
     }
 
     /// See [`FullMultigrid::change_by_refinement`].

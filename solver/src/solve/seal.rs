@@ -12,8 +12,11 @@ use crate::mesh::part::Part;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Difference of the void from its greatest volume at the end \[greatest volume; mm³\].
+/// Greatest difference of the void from its greatest volume at the end \[greatest volume; mm³\]; less where positions would move by more
+/// than their tolerance.
 const TOLERANCE: (f64, f64) = (3e-3, 20.0);
+/// The same of a void without a suction \[tolerance\].
+const SLACK: f64 = 0.02;
 /// The same beside growth, whose own tolerance moves the void \[tolerance\].
 const BESIDE_GROWTH: f64 = 3.0;
 /// Difference above which the next solve is rough \[tolerance\].
@@ -72,9 +75,15 @@ impl Held {
     }
 
     fn is_enough(self) -> bool {
-        let is_slack = self.suction_kpa <= 0.0 && self.volume <= self.most + self.tolerance;
-        let is_at_most = self.suction_kpa >= MOST_KPA && self.volume > self.most;
-        is_slack || self.off() <= self.tolerance || is_at_most
+        if self.suction_kpa <= 0.0 {
+            return self.volume <= self.most + SLACK * self.tolerance;
+        }
+        self.off() <= self.tolerance || self.is_at_most()
+    }
+
+    /// Is the void above its limit under the greatest suction?
+    fn is_at_most(self) -> bool {
+        self.suction_kpa >= MOST_KPA && self.volume > self.most
     }
 
     /// √V, of a negative volume −√−V.
@@ -96,6 +105,7 @@ pub(super) enum Pull {
 /// A solution with its suction.
 struct Kept {
     suction_kpa: f64,
+    volume: f64,
     multigrid: Option<Multigrid>,
     x: Vec<DVec3>,
     outer: Vec<Vec<DVec3>>,
@@ -152,12 +162,13 @@ impl Solver {
         let suction = held.suction_kpa;
         let is_near = |failed: f64| failed - suction < NEAR_FAILED * failed;
         self.seal.is_greatest |= self.seal.failed.is_some_and(is_near);
-        if self.seal.is_greatest || held.is_enough() {
+        let is_enough = held.is_enough() && self.left_by_void() <= self.problem.tolerance;
+        if self.seal.is_greatest || is_enough {
             return Pull::Enough;
         }
         let Some(slope) = self.seal.slope else { return Pull::Unknown };
         if !is_rough {
-            self.seal.kept = Some(self.kept_solution());
+            self.seal.kept = Some(self.kept_solution(held.volume));
         }
         let without = held.root() - slope * suction;
         let next = if without <= held.most.sqrt() { 0.0 } else { self.seal.next(held) };
@@ -170,24 +181,38 @@ impl Solver {
 
     /// Ends a solve with the void that it has.
     pub(super) fn end_sealed(&mut self, verdict: Verdict) {
+        self.left = self.left.max(self.left_by_void());
         self.seal = Seal::default();
         self.end(verdict);
+    }
+
+    /// Position error by the difference of the void from its limit, as the solutions so far moved by the void \[base radius\].
+    fn left_by_void(&self) -> f64 {
+        let (Some(held), Some(kept)) = (self.held(), &self.seal.kept) else { return 0.0 };
+        if held.suction_kpa <= 0.0 || held.is_at_most() || self.seal.is_greatest {
+            return 0.0;
+        }
+        let moved = self.x.iter().zip(&kept.x).map(|(x, before)| x.distance(*before));
+        let moved = moved.fold(0.0, f64::max) / self.problem.obstacle.dome.reference_length();
+        let by = (kept.volume - held.volume).abs();
+        if by > held.off() { moved * held.off() / by } else { moved }
     }
 
     /// Ends a solve, unless its void is to be smaller.
     pub(super) fn seal_or_end(&mut self, verdict: Verdict) {
         let Some(held) = self.held() else { return self.end(verdict) };
         let was_rough = self.seal.is_rough;
-        if held.is_enough() && !was_rough || verdict != Verdict::Converged {
+        let is_enough = held.is_enough() && self.left_by_void() <= self.problem.tolerance;
+        if is_enough && !was_rough || verdict != Verdict::Converged {
             return self.end_sealed(verdict);
         }
         if self.seal.solves >= MOST_SOLVES {
             return self.end_sealed(if was_rough { Verdict::NotConverged } else { verdict });
         }
         if !was_rough {
-            self.seal.kept = Some(self.kept_solution());
+            self.seal.kept = Some(self.kept_solution(held.volume));
         }
-        let next = if held.is_enough() { held.suction_kpa } else { self.seal.next(held) };
+        let next = if is_enough { held.suction_kpa } else { self.seal.next(held) };
         self.seal.solves += 1;
         let is_far = held.off() > ROUGH * held.tolerance && next < MOST_KPA;
         let is_new = self.seal.failed.is_none() && self.seal.solves <= MOST_ROUGH;
@@ -206,9 +231,10 @@ impl Solver {
         }
     }
 
-    fn kept_solution(&self) -> Kept {
+    fn kept_solution(&self, volume: f64) -> Kept {
         Kept {
             suction_kpa: self.problem.suction_kpa(),
+            volume,
             multigrid: self.multigrid.clone().filter(|_| self.stage == Stage::Multigrid),
             x: self.x.clone(),
             outer: self.outer.clone(),

@@ -131,6 +131,14 @@ impl Convergence {
         self.slow_cycles = 0;
     }
 
+    /// The estimated error by the last cycle, by the residual and by the balance of an implant that yields, with that of neglected
+    /// contact offsets \[mm\].
+    fn bounded_error(&self, parameters: &Parameters, reference_length: f64) -> f64 {
+        let Ending { error, relative_residual, .. } = self.ending;
+        let least = parameters.error_per_residual * relative_residual * reference_length;
+        error.max(least).max(self.imbalance) + self.neglected_offset
+    }
+
     /// Estimates the error from the change of a cycle \[mm\]; returns whether the cycle was slow.
     fn estimate_error(&mut self, change: f64, parameters: &Parameters) -> bool {
         let least = parameters.min_convergence_factor;
@@ -155,6 +163,13 @@ impl Convergence {
 }
 
 impl<M: ElasticModel> FullMultigrid<M> {
+    /// The ending of an attempt that has failed or was stopped, its error by the balance of forces, too.
+    pub(in crate::solve) fn ending_by_balance(&mut self) -> Ending {
+        self.find_relative_residual();
+        let error = self.convergence.bounded_error(self.parameters, self.reference_length);
+        Ending { error, ..self.convergence.ending }
+    }
+
     /// Ends a cycle: converged, failed, another cycle, or the next finer grid.
     pub(super) fn check_convergence(&mut self) -> State {
         let Level { layout, u, before, .. } = &self.levels[self.grid];
@@ -300,9 +315,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let Self { convergence, reference_length, tolerance, parameters, .. } = self;
         let residual = convergence.ending.relative_residual;
         let by_change = convergence.ending.error + convergence.neglected_offset;
-        let least = parameters.error_per_residual * residual * *reference_length;
-        convergence.ending.error = convergence.ending.error.max(least).max(convergence.imbalance)
-            + convergence.neglected_offset;
+        convergence.ending.error = convergence.bounded_error(parameters, *reference_length);
         let (low, high) = parameters.residual_bounds;
         let is_shape_balanced = convergence.imbalance <= *tolerance * *reference_length;
         if convergence.ending.has_inverted_cell && self.stop == Stop::Tolerance {
