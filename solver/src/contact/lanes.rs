@@ -122,13 +122,15 @@ impl LaneObstacle {
             let back = self.along_gradient(&near, d, touching);
             moved = [0, 1, 2].map(|a| is_active.bitselect(at[a] + d[a] + back[a], moved[a]));
         }
-        if !self.wall.is_flat() {
-            let kept = |v: Vec3| {
-                let own = times(compliance, v);
-                let along_dome = times(compliance, g);
-                let part = dot(g, own) / dot(g, along_dome).fast_max(f32x4::splat(1e-30));
-                [0, 1, 2].map(|a| is_active.bitselect(own[a] - along_dome[a] * part, own[a]))
-            };
+        let kept = |v: Vec3| {
+            let own = times(compliance, v);
+            let along_dome = times(compliance, g);
+            let part = dot(g, own) / dot(g, along_dome).fast_max(f32x4::splat(1e-30));
+            [0, 1, 2].map(|a| is_active.bitselect(own[a] - along_dome[a] * part, own[a]))
+        };
+        if self.wall.is_flat() {
+            moved = wall::limited_by_plane(moved, kept);
+        } else {
             let step = sub(moved, at);
             let height = rest[2] + at[2];
             moved = add(at, wall::limited(&near.ground, height, step, kept));

@@ -112,6 +112,18 @@ pub(super) fn limited(
     sub(step, scale(along, is_below.bitselect(back, f32x4::ZERO)))
 }
 
+/// The displacements of four nodes from the plane, kept above it but for their heights: see [`limited`].
+#[inline(always)]
+pub(super) fn limited_by_plane([x, y, z]: Vec3, compliance: impl Fn(Vec3) -> Vec3) -> Vec3 {
+    let is_below = z.simd_lt(f32x4::ZERO);
+    if !is_below.any() {
+        return [x, y, z];
+    }
+    let along = compliance([f32x4::ZERO, f32x4::ZERO, f32x4::ONE]);
+    let back = is_below.bitselect(z / along[2].fast_max(f32x4::splat(1e-30)), f32x4::ZERO);
+    [x - along[0] * back, y - along[1] * back, z]
+}
+
 /// A normal of the ground, of unit height.
 #[inline(always)]
 fn upwards(ground: &Ground<f32x4>) -> Vec3 {

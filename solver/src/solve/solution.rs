@@ -390,17 +390,19 @@ impl Solution {
         Exact::new(rest, law, patch.pocket(), patch.attachment())
     }
 
-    /// [`Self::exact`] without the skin's dead load, which cells do not have.
+    /// [`Self::exact`] without dead loads, which are no forces of the cells.
     fn cells_alone<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
         let Problem { rest, patch, .. } = &*self.problem;
         let (pocket, attachment) = (patch.pocket(), patch.attachment());
         Exact { rest, law, pocket, attachment, at_rest: Cow::default() }
     }
 
-    /// The body for forces on the inner face, which is the skin where there are no cells.
+    /// The body for forces on the inner face, which is the skin where there are no cells. Of dead loads a change of the weight acts on every face,
+    /// that of a natural tension on the skin alone.
     fn body_of_inner<'a>(&'a self, law: &'a LayeredLaw) -> Exact<'a> {
-        let has_cells = !self.problem.rest.cells().is_empty();
-        if has_cells { self.cells_alone(law) } else { self.exact(law) }
+        let Problem { rest, .. } = &*self.problem;
+        let has_loads = rest.cells().is_empty() || !rest.weight().is_none();
+        if has_loads { self.exact(law) } else { self.cells_alone(law) }
     }
 
     /// Elastic energy of tissue and attachment \[kPa·mm³ = µJ\] with balanced forces ([`Self::balanced`]).

@@ -168,9 +168,10 @@ impl<'a> Exact<'a> {
             at_rest.resize(rest.layers(), Vec::new());
             let top = rest.layers() - 1;
             let x: Vec<DVec3> = rest.nodes(top).collect();
-            at_rest[top].resize(x.len(), DVec3::ZERO);
-            let skin = rest.membrane_before_growth();
-            assembly::forces(skin, &law.skin, &x, &mut at_rest[top]);
+            let mut of_skin = vec![DVec3::ZERO; x.len()];
+            assembly::forces(rest.membrane_before_growth(), &law.skin, &x, &mut of_skin);
+            of_skin.iter_mut().zip(&at_rest[top]).for_each(|(skin, weight)| *skin += *weight);
+            at_rest[top] = of_skin;
         }
         Self { rest, law, pocket, attachment, at_rest: at_rest.into() }
     }
