@@ -134,8 +134,8 @@ describe("the benchmark", { timeout: 6 * harness.PATIENCE }, () => {
     assert.equal((await saved(page, "Download CSV")).text, measured);
     await page.getByRole("radio", { name: /^quick/ }).check();
     await press(page, "Start");
-    await page.locator("#now").getByText("of 15: ").waitFor();
-    await press(page, "Stop");
+    // A fast machine is done before the next look.
+    await page.locator("body").getByText(/of 15: |^Done in/).first().waitFor();
     await finish();
   });
 
