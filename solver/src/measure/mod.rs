@@ -272,12 +272,19 @@ impl Outcome {
         if let (Some(void), Some(limit)) = (void, limit)
             && void > LARGER * limit.most_mm3 + LEAST_VOID_MM3
         {
-            let ml = void / 1000.0;
-            self.warnings.push(format!(
-                "The void of the pocket stays at {ml:.1} ml: under a suction of {:.1} kPa, and on this grid, the tissue \
-                 does not reach further into the corner at the implant's rim.",
-                limit.suction_kpa
-            ));
+            let (ml, kpa) = (void / 1000.0, limit.suction_kpa);
+            let is_corner = void <= LARGER * solution.problem().least_void_mm3() + LEAST_VOID_MM3;
+            self.warnings.push(if is_corner || limit.has_greatest_suction() {
+                format!(
+                    "The void of the pocket stays at {ml:.1} ml: under a suction of {kpa:.1} kPa, and on this grid, the tissue \
+                     does not reach further into the corner at the implant's rim."
+                )
+            } else {
+                format!(
+                    "The void of the pocket stays at {ml:.1} ml: under more suction than {kpa:.1} kPa the solver finds no shape \
+                     on this grid. Force and pressure depend on the grid: choose a finer accuracy or a larger void."
+                )
+            });
         }
     }
 

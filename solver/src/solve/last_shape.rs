@@ -43,6 +43,11 @@ impl Solver {
         }
     }
 
+    /// Is a shape that of the problem, not one on the way there: before the skin has grown, or under a void that is still to be smaller?
+    fn has_grown_and_is_sealed(&self) -> bool {
+        self.problem.rest.growth() <= 0.0 && self.is_sealed()
+    }
+
     /// Ends without convergence: with the last valid shape of either method, if there is one.
     pub(super) fn end_with_last_shape(&mut self) {
         if self.displayed == Displayed::Draft && self.multigrid.is_some() {
@@ -50,7 +55,8 @@ impl Solver {
             self.stage = Stage::Multigrid;
         }
         let is_shown = matches!(self.displayed, Displayed::Draft | Displayed::Final);
-        let has_shape = is_shown && (self.kept.is_some() || self.law.layered().is_none());
+        let is_near = self.kept.is_some() && self.has_grown_and_is_sealed();
+        let has_shape = is_shown && (is_near || self.law.layered().is_none());
         self.invalid = (!has_shape).then_some(Invalid::NotFound);
         self.end(if has_shape { Verdict::NotConverged } else { Verdict::Unstable });
     }

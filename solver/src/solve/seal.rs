@@ -5,7 +5,7 @@
 //! Solves are rough at first.
 
 use super::multigrid::Multigrid;
-use super::{Displayed, Solver, Stage, Verdict};
+use super::{Displayed, Solver, Stage, Verdict, Void};
 use crate::contact::{Modes, SoftHalfBall};
 use crate::mesh::lanes::Mirrored;
 use crate::mesh::part::Part;
@@ -42,6 +42,13 @@ const NEAR_FAILED: f64 = 0.02;
 const MOST_SOLVES: u32 = 24;
 const MOST_HALVINGS: u32 = 3;
 
+impl Void {
+    /// Is the suction the greatest one?
+    pub(crate) fn has_greatest_suction(self) -> bool {
+        self.suction_kpa >= MOST_KPA
+    }
+}
+
 /// The search for a suction.
 #[derive(Default)]
 pub(super) struct Seal {
@@ -56,6 +63,8 @@ pub(super) struct Seal {
     failed: Option<f64>,
     /// The last solution to the tolerance.
     kept: Option<Kept>,
+    /// The last rough one since.
+    rough: Option<Kept>,
     /// Is the suction the greatest one with a solution?
     is_greatest: bool,
 }
@@ -155,6 +164,11 @@ impl Solver {
         })
     }
 
+    /// Is the void at its limit, or without one?
+    pub(super) fn is_sealed(&self) -> bool {
+        self.held().is_none_or(Held::is_enough)
+    }
+
     /// Draws the void nearer to its limit, beside the growth of the skin.
     pub(super) fn pull_beside_growth(&mut self, is_rough: bool) -> Pull {
         let Some(mut held) = self.held() else { return Pull::Enough };
@@ -209,8 +223,11 @@ impl Solver {
         if self.seal.solves >= MOST_SOLVES {
             return self.end_sealed(if was_rough { Verdict::NotConverged } else { verdict });
         }
-        if !was_rough {
-            self.seal.kept = Some(self.kept_solution(held.volume));
+        let own = Some(self.kept_solution(held.volume));
+        if was_rough {
+            self.seal.rough = own;
+        } else {
+            (self.seal.kept, self.seal.rough) = (own, None);
         }
         let next = if is_enough { held.suction_kpa } else { self.seal.next(held) };
         self.seal.solves += 1;
@@ -243,11 +260,8 @@ impl Solver {
         }
     }
 
-    /// Goes back from a suction without a solution half of the way to the last one with a solution; false without one. After some halvings that
-    /// solution is the end, with a void that is larger.
-    pub(super) fn draws_less(&mut self) -> bool {
-        let failed = self.problem.suction_kpa();
-        let Some(kept) = self.seal.kept.take().filter(|_| failed > 0.0) else { return false };
+    /// Goes back to a solution; false of one by Newton's method.
+    fn restore(&mut self, kept: &Kept) -> bool {
         let Some(multigrid) = &kept.multigrid else { return false };
         self.multigrid = Some(multigrid.clone());
         self.x.clone_from(&kept.x);
@@ -257,6 +271,27 @@ impl Solver {
         self.revision += 1;
         if let Some(modes) = kept.modes {
             self.deform(modes);
+        }
+        true
+    }
+
+    /// Goes back from a suction without a solution: to the last rough solution since the last one to the tolerance, else half of the way to that one;
+    /// false without one. After some halvings that solution is the end, with a void that is larger.
+    pub(super) fn draws_less(&mut self) -> bool {
+        let failed = self.problem.suction_kpa();
+        if failed <= 0.0 {
+            return false;
+        }
+        // A rough solution is on the way: one to the tolerance starts there.
+        let rough = self.seal.rough.take().filter(|rough| rough.suction_kpa < failed);
+        if let Some(rough) = rough.filter(|rough| self.restore(rough)) {
+            self.seal.failed = Some(failed);
+            self.draw(rough.suction_kpa, false);
+            return true;
+        }
+        let Some(kept) = self.seal.kept.take() else { return false };
+        if !self.restore(&kept) {
+            return false;
         }
         let last = kept.suction_kpa.min(MOST_LEFT * failed);
         self.seal.halvings += 1;

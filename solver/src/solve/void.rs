@@ -15,7 +15,7 @@ const OPEN_CORNER: f64 = 0.25;
 
 impl Problem {
     /// The least void \[mm³\] that the grid resolves: the corner all around the implant.
-    pub(super) fn least_void_mm3(&self) -> f64 {
+    pub(crate) fn least_void_mm3(&self) -> f64 {
         let around = TAU * self.obstacle.dome.reference_length();
         OPEN_CORNER * self.sheet().spacing_mm().powi(2) * around
     }

@@ -215,6 +215,12 @@ fn a_finished_sentence_is_recognised_with_its_values() {
             "El hueco del bolsillo se queda en 3.1 ml: con una succión de 20.0 kPa, y en esta malla, el tejido no entra más en \
              el rincón del borde del implante.",
         ),
+        (
+            "The void of the pocket stays at 47.5 ml: under more suction than 2.5 kPa the solver finds no shape on this grid. Force \
+             and pressure depend on the grid: choose a finer accuracy or a larger void.",
+            "El hueco del bolsillo se queda en 47.5 ml: con más succión que 2.5 kPa el cálculo no halla ninguna forma en esta malla. \
+             Fuerza y presión dependen de la malla: conviene elegir una precisión más fina o un hueco mayor.",
+        ),
         ("Nobody's words", "Nobody's words"),
     ] {
         assert_eq!(sentence(english), spanish);
