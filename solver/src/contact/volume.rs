@@ -38,8 +38,12 @@ impl Dome {
         let (draped, wall) = (self.draped::<f64>(), self.chest.height(place));
         let is_inside =
             |height: f64| draped.length_squared(place.extend(wall + height).to_array()) < 1.0;
+        // First, as the top of a deformed shape is searched for.
+        if !is_inside(0.0) {
+            return 0.0;
+        }
         let (mut inside, mut outside) = (0.0, self.base_height + self.shape.top());
-        if outside <= 0.0 || !is_inside(0.0) {
+        if outside <= 0.0 {
             return 0.0;
         }
         for _ in 0..HALVINGS {
