@@ -28,6 +28,8 @@ mod answer;
 mod both_sides;
 #[path = "screens/chest.rs"]
 mod chest;
+#[path = "screens/commands.rs"]
+mod commands;
 #[path = "screens/curve_editor.rs"]
 mod curve_editor;
 #[path = "screens/device.rs"]
@@ -66,6 +68,8 @@ mod plan;
 mod practice;
 #[path = "screens/research.rs"]
 mod research;
+#[path = "screens/ruler.rs"]
+mod ruler;
 #[path = "screens/scan.rs"]
 mod scan;
 #[path = "screens/shelf.rs"]
@@ -80,6 +84,8 @@ mod tissue;
 mod touch;
 #[path = "screens/uncertainty.rs"]
 mod uncertainty;
+#[path = "screens/unknowns.rs"]
+mod unknowns;
 #[path = "screens/visit.rs"]
 mod visit;
 #[path = "screens/volumes.rs"]

@@ -8,5 +8,5 @@ mod hostile;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    hostile::check_spec(&hostile::Choices(bytes).curve());
+    hostile::check_spec(&hostile::choices::Choices(bytes).curve());
 });

@@ -10,10 +10,10 @@ use implant_preview::scene::Scene;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scene()));
-    hostile::check_scene(&Scene::from_json(&hostile::Choices(bytes).scanned_scene()));
-    let layered = hostile::Choices(bytes).layered_scene();
-    for text in [layered, hostile::Choices(bytes).chest_scene()] {
+    hostile::check_scene(&Scene::from_json(&hostile::choices::Choices(bytes).scene()));
+    hostile::check_scene(&Scene::from_json(&hostile::choices::Choices(bytes).scanned_scene()));
+    let layered = hostile::choices::Choices(bytes).layered_scene();
+    for text in [layered, hostile::choices::Choices(bytes).chest_scene()] {
         let read = Scene::from_json(&text);
         hostile::check_scene(&read);
         if let Ok(scene) = &read {

@@ -1,18 +1,18 @@
-//! Hands on the picture: cross-section in sight, values at a point, ruler, handles of the implant, commands by their names.
+//! Hands on the picture: cross-section in sight, values at a point, handles of the implant.
 
 use super::{
     DESKTOP, PHONE, app, flat_plan, focus_picture, painted_texts, press, researching, settle,
     type_into, unfold,
 };
-use eframe::egui::{self, Key, Modifiers, Pos2, Role, Vec2, vec2};
+use eframe::egui::{self, Key, Pos2, Role, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use implant_preview::app::App;
 use implant_preview::scene::Scene;
 
-type Screen = Harness<'static, App>;
+pub(super) type Screen = Harness<'static, App>;
 
-fn desktop() -> Screen {
+pub(super) fn desktop() -> Screen {
     app(DESKTOP, |scene| {
         *scene = flat_plan();
         scene.solver.nodes_per_side = 33;
@@ -20,7 +20,7 @@ fn desktop() -> Screen {
 }
 
 /// A choice of the menu "View".
-fn choose(harness: &mut Screen, name: &str) {
+pub(super) fn choose(harness: &mut Screen, name: &str) {
     press(harness, "View");
     harness.get_by_role_and_label(Role::CheckBox, name).click();
     harness.run();
@@ -37,7 +37,7 @@ fn has_plot(harness: &Screen) -> bool {
         .any(|node| node.accesskit_node().role() != Role::Canvas)
 }
 
-fn picture(harness: &Screen) -> egui::Rect {
+pub(super) fn picture(harness: &Screen) -> egui::Rect {
     harness.get_by_role_and_label(Role::Canvas, "3-D view").rect()
 }
 
@@ -69,24 +69,24 @@ fn the_torso_is_a_switch_and_on_at_first() {
 }
 
 /// A point of the skin over the implant on the picture, left of the cut and of the handles.
-fn on_skin(harness: &Screen) -> Pos2 {
+pub(super) fn on_skin(harness: &Screen) -> Pos2 {
     let handle = harness.get_by_role_and_label(Role::Button, "Move the implant").rect();
     handle.center() + vec2(-32.0, 6.0)
 }
 
 /// The accessible name that starts with some words.
-fn reading(harness: &Screen, start: &str) -> Option<String> {
+pub(super) fn reading(harness: &Screen, start: &str) -> Option<String> {
     let node = harness.query_by_label_contains(start)?;
     let node = node.accesskit_node();
     node.label().or_else(|| node.value())
 }
 
 /// Is a text with these words painted?
-fn is_painted(harness: &Screen, words: &str) -> bool {
+pub(super) fn is_painted(harness: &Screen, words: &str) -> bool {
     painted_texts(harness).iter().any(|text| text.contains(words))
 }
 
-fn click(harness: &mut Screen, at: Pos2) {
+pub(super) fn click(harness: &mut Screen, at: Pos2) {
     harness.hover_at(at);
     harness.step();
     harness.drag_at(at);
@@ -248,71 +248,6 @@ fn the_values_over_the_cross_section_leave_the_switch_of_its_plane() {
     assert!(boxes > 20, "{boxes}");
 }
 
-#[test]
-fn the_ruler_measures_straight_along_the_skin_and_at_rest() {
-    let mut harness = desktop();
-    let [a, b] = [vec2(-60.0, 30.0), vec2(20.0, -2.0)].map(|by| on_skin(&harness) + by);
-    focus_picture(&mut harness);
-    harness.key_press(Key::R);
-    harness.run();
-    harness.get_by_label("Ruler: click a point of the skin");
-    click(&mut harness, a);
-    harness.get_by_label("Ruler: click the second point");
-    click(&mut harness, b);
-    let read = reading(&harness, "Ruler: Straight").unwrap();
-    let number = |after: &str| -> f64 {
-        let (_, rest) = read.split_once(after).unwrap();
-        rest.split(' ').next().unwrap().parse().unwrap()
-    };
-    let (straight, along, rest) = (number("Straight "), number("skin "), number("rest "));
-    assert!(straight > 1.0 && along >= straight && rest > 1.0 && rest < along, "{read}");
-    assert!(is_painted(&harness, "Straight "));
-    // No values are kept meanwhile, and the command ends the ruler.
-    assert_eq!(reading(&harness, "Kept values"), None);
-    choose(&mut harness, "Ruler");
-    assert_eq!(reading(&harness, "Ruler: "), None);
-    choose(&mut harness, "Ruler");
-    assert!(reading(&harness, "Ruler: ").is_some());
-    focus_picture(&mut harness);
-    harness.key_press(Key::Escape);
-    harness.run();
-    assert_eq!(reading(&harness, "Ruler: "), None);
-    assert!(!is_painted(&harness, "Straight "));
-}
-
-#[test]
-fn a_click_of_the_ruler_beyond_the_computed_skin_says_where_the_ruler_works() {
-    const ONLY: &str = "Ruler: only on the computed skin, which Stretch colours";
-    let mut harness = desktop();
-    let skin = on_skin(&harness);
-    let outside = (1..60).map(|k| skin + vec2(0.0, 6.0 * k as f32)).find(|at| {
-        harness.hover_at(*at);
-        harness.run();
-        reading(&harness, "Values at the pointer").is_some_and(|read| read.contains("Outside"))
-    });
-    let outside = outside.unwrap();
-    focus_picture(&mut harness);
-    harness.key_press(Key::R);
-    harness.run();
-    click(&mut harness, skin);
-    assert!(harness.query_by_label(ONLY).is_none());
-    click(&mut harness, outside);
-    harness.get_by_label(ONLY);
-    harness.hover_at(outside);
-    harness.run();
-    assert_eq!(
-        reading(&harness, "Ruler: Outside").as_deref(),
-        Some("Ruler: Outside the pocket (not computed)")
-    );
-    // The hint stays without a pointer, as after a tap, until the next end.
-    harness.remove_cursor();
-    harness.run();
-    harness.get_by_label(ONLY);
-    click(&mut harness, skin + vec2(20.0, -2.0));
-    assert!(harness.query_by_label(ONLY).is_none());
-    assert!(reading(&harness, "Ruler: Straight").is_some());
-}
-
 /// Presses a handle and moves the pointer in steps.
 fn drag(harness: &mut Screen, name: &str, by: Vec2) -> Pos2 {
     harness.hover_at(picture(harness).center());
@@ -329,7 +264,7 @@ fn drag(harness: &mut Screen, name: &str, by: Vec2) -> Pos2 {
     at + by
 }
 
-fn scene(harness: &Screen) -> Scene {
+pub(super) fn scene(harness: &Screen) -> Scene {
     harness.state().session().scene().clone()
 }
 
@@ -424,168 +359,4 @@ fn escape_during_a_drag_of_a_slider_leaves_no_step() {
     click(&mut harness, at + vec2(20.0, 0.0));
     settle(&mut harness);
     assert_ne!(scene(&harness), before);
-}
-
-fn open_list(harness: &mut Screen) {
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    harness.run();
-}
-
-#[test]
-fn a_command_is_found_by_typing_and_executed_by_enter() {
-    let mut harness = desktop();
-    open_list(&mut harness);
-    assert!(harness.get_by_role_and_label(Role::TextInput, "Search a command").is_focused());
-    harness.get_by_role_and_label(Role::MenuItem, "Open plan or scan… Ctrl+O");
-    harness.event(egui::Event::Text("range".to_owned()));
-    harness.run();
-    assert!(harness.query_by_role_and_label(Role::MenuItem, "Open plan or scan… Ctrl+O").is_none());
-    harness.key_press(Key::Enter);
-    harness.run();
-    assert!(harness.query_by_label("Search a command").is_none());
-    assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
-}
-
-#[test]
-fn arrows_choose_a_command_and_escape_closes_the_list() {
-    let mut harness = researching(DESKTOP, |scene| *scene = flat_plan());
-    let grid = |harness: &mut Screen| {
-        press(harness, "View");
-        let grid = harness.get_by_role_and_label(Role::CheckBox, "Grid").accesskit_node().toggled();
-        harness.key_press(Key::Escape);
-        harness.run();
-        grid
-    };
-    let before = grid(&mut harness);
-    open_list(&mut harness);
-    // First "Usual implant", then "Range of implants".
-    harness.event(egui::Event::Text("implant".to_owned()));
-    harness.run();
-    harness.key_press(Key::ArrowDown);
-    harness.key_press(Key::Enter);
-    harness.run();
-    assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
-    open_list(&mut harness);
-    harness.event(egui::Event::Text("picture three".to_owned()));
-    harness.run();
-    harness.key_press(Key::Enter);
-    harness.run();
-    harness.get_by_role_and_label(Role::Canvas, "3-D view");
-    open_list(&mut harness);
-    harness.event(egui::Event::Text("grid".to_owned()));
-    harness.run();
-    harness.key_press(Key::Enter);
-    harness.run();
-    assert_ne!(grid(&mut harness), before);
-    open_list(&mut harness);
-    harness.event(egui::Event::Text("half sphere".to_owned()));
-    harness.run();
-    harness.key_press(Key::Enter);
-    settle(&mut harness);
-    assert_eq!(scene(&harness).implant.base_radius_mm, 55.0);
-    press(&mut harness, "Undo");
-    open_list(&mut harness);
-    harness.key_press(Key::Escape);
-    harness.run();
-    assert!(harness.query_by_label("Search a command").is_none());
-    // A command without effect has a reason.
-    open_list(&mut harness);
-    harness.event(egui::Event::Text("undo".to_owned()));
-    harness.run();
-    harness.get_by_role_and_label(Role::MenuItem, "Undo Ctrl+Z").click();
-    harness.run();
-    harness.get_by_label("Undo: Nothing to undo.");
-}
-
-#[test]
-fn the_help_lists_the_keys_of_commands() {
-    let mut harness = desktop();
-    press(&mut harness, "Help");
-    for words in ["Ctrl+K", "commands", "Ctrl+Z", "on the picture: ruler"] {
-        harness.get_by_label(words);
-    }
-}
-
-#[test]
-fn the_list_opens_from_a_number_field_also_in_the_frame_of_its_enter_key() {
-    let mut harness = desktop();
-    let volume = harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").value().unwrap();
-    harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").focus();
-    harness.run();
-    harness.event(egui::Event::Text("340".to_owned()));
-    harness.run();
-    // One slow frame: Enter for the number, then the list, words and Enter for the list.
-    let press = |key, modifiers| egui::Event::Key {
-        key,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers,
-    };
-    let events = &mut harness.input_mut().events;
-    events.push(press(Key::Enter, Modifiers::NONE));
-    events.push(press(Key::K, Modifiers::COMMAND));
-    events.push(egui::Event::Text("range".to_owned()));
-    settle(&mut harness);
-    assert!(harness.get_by_role_and_label(Role::TextInput, "Search a command").is_focused());
-    let now = harness.get_by_role_and_label(Role::SpinButton, "Volume (ml)").value().unwrap();
-    assert!(volume != "340" && now == "340", "{volume} {now}");
-    let field = harness.get_by_role_and_label(Role::TextInput, "Search a command");
-    assert_eq!(field.value().as_deref(), Some("range"));
-    let events = &mut harness.input_mut().events;
-    events.push(egui::Event::Text(" of".to_owned()));
-    events.push(press(Key::Enter, Modifiers::NONE));
-    settle(&mut harness);
-    assert!(harness.query_by_role_and_label(Role::Canvas, "3-D view").is_none());
-}
-
-#[test]
-fn the_reading_of_the_ruler_keeps_off_that_of_the_kept_point() {
-    let mut harness = desktop();
-    let skin = on_skin(&harness);
-    for (kept, ends) in [
-        (vec2(-20.0, 10.0), [vec2(-60.0, 30.0), vec2(20.0, -2.0)]),
-        (vec2(-40.0, 30.0), [vec2(-60.0, 30.0), vec2(-20.0, 20.0)]),
-        (vec2(10.0, -2.0), [vec2(-30.0, 10.0), vec2(-10.0, 5.0)]),
-    ] {
-        click(&mut harness, skin + kept);
-        focus_picture(&mut harness);
-        harness.key_press(Key::R);
-        harness.run();
-        for end in ends {
-            click(&mut harness, skin + end);
-        }
-        let [kept, ruler] = ["Kept values: ", "Ruler: Straight"]
-            .map(|name| harness.get_by_label_contains(name).rect());
-        assert!(!kept.intersects(ruler), "{kept} {ruler}");
-        assert!(picture(&harness).contains_rect(ruler), "{ruler}");
-        harness.key_press(Key::R);
-        harness.key_press(Key::Escape);
-        harness.run();
-    }
-}
-
-#[test]
-fn the_reading_of_the_ruler_covers_neither_of_its_ends() {
-    let mut harness = desktop();
-    let skin = on_skin(&harness);
-    for [a, b] in [
-        [vec2(-60.0, -2.0), vec2(20.0, 50.0)],
-        [vec2(20.0, 50.0), vec2(-60.0, -2.0)],
-        [vec2(-60.0, 30.0), vec2(20.0, -2.0)],
-    ] {
-        focus_picture(&mut harness);
-        harness.key_press(Key::R);
-        harness.run();
-        for end in [a, b] {
-            click(&mut harness, skin + end);
-        }
-        let ruler = harness.get_by_label_contains("Ruler: Straight").rect();
-        for end in [a, b] {
-            assert!(!ruler.expand(4.0).contains(skin + end), "{ruler} {}", skin + end);
-        }
-        assert!(picture(&harness).contains_rect(ruler), "{ruler}");
-        harness.key_press(Key::R);
-        harness.run();
-    }
 }
