@@ -45,8 +45,12 @@ const MOST_HALVINGS: u32 = 3;
 impl Void {
     /// Is the suction the greatest one?
     pub(crate) fn has_greatest_suction(self) -> bool {
-        self.suction_kpa >= MOST_KPA
+        is_greatest(self.suction_kpa)
     }
+}
+
+fn is_greatest(suction_kpa: f64) -> bool {
+    suction_kpa >= MOST_KPA
 }
 
 /// The search for a suction.
@@ -92,7 +96,7 @@ impl Held {
 
     /// Is the void above its limit under the greatest suction?
     fn is_at_most(self) -> bool {
-        self.suction_kpa >= MOST_KPA && self.volume > self.most
+        is_greatest(self.suction_kpa) && self.volume > self.most
     }
 
     /// √V, of a negative volume −√−V.
@@ -169,6 +173,11 @@ impl Solver {
         self.held().is_none_or(Held::is_enough)
     }
 
+    /// Is a void at its limit, and what is left of it within the tolerance of positions?
+    fn is_enough(&self, held: Held) -> bool {
+        held.is_enough() && self.left_by_void() <= self.problem.tolerance
+    }
+
     /// Draws the void nearer to its limit, beside the growth of the skin.
     pub(super) fn pull_beside_growth(&mut self, is_rough: bool) -> Pull {
         let Some(mut held) = self.held() else { return Pull::Enough };
@@ -176,8 +185,7 @@ impl Solver {
         let suction = held.suction_kpa;
         let is_near = |failed: f64| failed - suction < NEAR_FAILED * failed;
         self.seal.is_greatest |= self.seal.failed.is_some_and(is_near);
-        let is_enough = held.is_enough() && self.left_by_void() <= self.problem.tolerance;
-        if self.seal.is_greatest || is_enough {
+        if self.seal.is_greatest || self.is_enough(held) {
             return Pull::Enough;
         }
         let Some(slope) = self.seal.slope else { return Pull::Unknown };
@@ -216,7 +224,7 @@ impl Solver {
     pub(super) fn seal_or_end(&mut self, verdict: Verdict) {
         let Some(held) = self.held() else { return self.end(verdict) };
         let was_rough = self.seal.is_rough;
-        let is_enough = held.is_enough() && self.left_by_void() <= self.problem.tolerance;
+        let is_enough = self.is_enough(held);
         if is_enough && !was_rough || verdict != Verdict::Converged {
             return self.end_sealed(verdict);
         }
