@@ -20,9 +20,10 @@ pub enum Invalid {
     NotFound,
 }
 
-/// Tolerated depth of a cell's midpoint in the dome \[half axes; base radius as a distance\]: the depth of a
-/// sphere's chord of 0.6 radii.
-const MAX_CHORD_DEPTH: f64 = 0.05;
+/// Tolerated depth of a cell's midpoint in the dome \[half axes; base radius as a distance\]: of a sheet the depth of a
+/// sphere's chord of 0.6 radii. Of layered tissue, whose skin does not follow the inner face, that of a chord of 0.9 radii: fat that
+/// tight skin squeezes off the apex spreads its cells of 33 nodes per side to twice and three times their width.
+const MAX_CHORD_DEPTH: [f64; 2] = [0.05, 0.1];
 /// Tolerated height of the dome's tip above the highest node \[lesser half axis, base radius\]: a tip
 /// between nodes 0.6 radii apart is 0.09 radii above the nodes. Fixed by `sheet-sliding-off-needle`.
 const MAX_TIP_HEIGHT: (f64, f64) = (0.1, 0.01);
@@ -73,7 +74,9 @@ pub(crate) fn invalid(
     // Heights above a curved wall instead of z: the wall becomes the plane, and what is inverted stays so.
     let (chest, dome) = (&dome.chest, dome.clone().over(Chest::Flat));
     let at = |i: usize, j: usize| chest.flattened(at(i, j));
-    let is_deep = dome.is_deeper_than(MAX_CHORD_DEPTH);
+    let is_sheet = tissue == Tissue::Sheet;
+    let [of_sheet, of_layers] = MAX_CHORD_DEPTH;
+    let is_deep = dome.is_deeper_than(if is_sheet { of_sheet } else { of_layers });
     let (mut is_penetrated, mut is_folded, mut highest) = (false, false, 0.0_f64);
     for j in first[1]..n - 1 {
         let (from, to) = sheet.row_spans()[j];
@@ -89,8 +92,7 @@ pub(crate) fn invalid(
             }
             is_penetrated |= is_deep(middle);
             let normal = (c - a).cross(d - b);
-            is_folded |= is_inverted(normal, middle - viewpoint)
-                && (tissue == Tissue::Sheet || normal.z < 0.0);
+            is_folded |= is_inverted(normal, middle - viewpoint) && (is_sheet || normal.z < 0.0);
         }
     }
     let tip = dome.apex().z;
@@ -169,6 +171,13 @@ mod tests {
                     penetrated[middle + k].z *= 0.7;
                 }
                 assert_eq!(invalid_of(&penetrated, 0), Some(Invalid::Penetrated));
+                assert_eq!(layered(&penetrated), Some(Invalid::Penetrated));
+                // Between the depths of both.
+                for k in [0, 1, n, n + 1] {
+                    penetrated[middle + k].z = 0.93 * valid[middle + k].z;
+                }
+                assert_eq!(invalid_of(&penetrated, 0), Some(Invalid::Penetrated));
+                assert_eq!(layered(&penetrated), None);
             }
         }
     }
