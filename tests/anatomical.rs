@@ -136,6 +136,24 @@ fn a_turned_base_turns_the_result_and_a_lower_apex_is_found() {
 }
 
 /// A scan's chest and thickness, an anatomical implant off centre: every part of the body at once.
+/// The skin over the apex, between the nodes, is a place of the skin, too.
+#[test]
+fn the_least_cover_is_at_most_that_over_the_apex_and_independent_of_the_grid() {
+    for (center, height, shift) in [([4.1, -3.3], 110.0, 0.0), ([0.0, 0.0], 126.0, 12.5)] {
+        let least = [33, 65, 129].map(|nodes| {
+            let mut file = scene(55.0, height, shift);
+            file["implant"]["center_mm"] = json!(center);
+            file["solver"]["nodes_per_side"] = json!(nodes);
+            let cover = solve(&file).cover_mm.unwrap();
+            assert!(cover.least <= cover.apex, "{cover:?}");
+            cover.least
+        });
+        println!("{least:?}");
+        let [coarse, middle, fine] = least.map(|cover| cover / least[2] - 1.0);
+        assert!(coarse.abs() < 0.04 && middle.abs() < 0.01 && fine == 0.0, "{least:?}");
+    }
+}
+
 #[test]
 fn an_anatomical_implant_over_a_scan_is_solved_and_an_even_field_changes_nothing() {
     let grid = |of: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {

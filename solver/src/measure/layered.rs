@@ -283,13 +283,13 @@ fn cover(solution: &Solution, outer: &[(usize, DVec3)], height: Option<f64>) -> 
             least = (distance, [point.x, point.y]);
         }
     }
+    // The apex lies between the nodes.
+    let over_apex = height - dome.top();
+    if over_apex < least.0 {
+        least = (over_apex, [apex.x, apex.y]);
+    }
     let [x, y] = least.1;
-    Some(Cover {
-        apex: height - dome.top(),
-        least: least.0,
-        least_at_mm: [x, y],
-        without_muscle: None,
-    })
+    Some(Cover { apex: over_apex, least: least.0, least_at_mm: [x, y], without_muscle: None })
 }
 
 /// The cover of a solution without its innermost layer, the muscle.
@@ -315,7 +315,8 @@ pub fn cover_without_innermost(solution: &Solution, cover: &Cover) -> Option<Cov
             least = least.min(dome.closest_point(outer).0 - own);
         }
     }
-    Some(CoverWithoutMuscle { apex: cover.apex - at_apex.1, least })
+    let over_apex = cover.apex - at_apex.1;
+    Some(CoverWithoutMuscle { apex: over_apex, least: least.min(over_apex) })
 }
 
 /// Height of the skin's outer surface over the apex above the wall \[mm\]: the apex's, and the tissue's along the wall's normal.
