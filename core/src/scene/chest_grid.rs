@@ -155,7 +155,8 @@ impl Scene {
         };
         let tilt = tilt(&wall);
         if tilt > TILTS.0 {
-            let allowed = format!("up to {}°", TILTS.0);
+            let allowed =
+                format!("up to {}° (turn the scan: z along the chest's normal there)", TILTS.0);
             let value = format!("tilted by {tilt:.0}° at the pocket's centre");
             return Err(Unfit::Rough([value, allowed]));
         }

@@ -81,7 +81,8 @@ fn a_wall_that_carries_no_tissue_is_one_line() {
         (line(&scene(51, |at| -at.x * at.x / 20.0)), "chest.grid is steep by "),
         (
             line(&scene(61, |at| 0.6 * at.x)),
-            "chest.grid is tilted by 31° at the pocket's centre; allowed: up to 20°",
+            "chest.grid is tilted by 31° at the pocket's centre; allowed: up to 20° \
+             (turn the scan: z along the chest's normal there)",
         ),
         // Steep only where the grid's margin goes on.
         (line(&scene(21, |at| -at.x.powi(4) / 5e5)), "chest.grid.heights_mm is known over "),
