@@ -72,15 +72,12 @@ impl Tape {
     pub const OWN: Self = Self {
         chest_width_mm: 260.0,
         breast_width_mm: 136.6,
-        notch_nipple_mm: 210.1,
-        nipple_fold_mm: 79.1,
-        nipple_nipple_mm: 225.9,
-        breast_volume_ml: 323.7,
+        notch_nipple_mm: 206.2,
+        nipple_fold_mm: 84.6,
+        nipple_nipple_mm: 224.6,
+        breast_volume_ml: 324.3,
     };
 }
-
-/// The vertices of the built-in torso on the bumps of its nipples, left and right, 5 mm above the marks: the middle of a drawn areola.
-pub const NIPPLES: [usize; 2] = [4936, 2085];
 
 /// The built-in torso.
 #[must_use]
@@ -98,7 +95,8 @@ fn marks() -> Marks {
         lateral: of_left(140.58, 371.08, 84.61),
         implant_centre: None,
     };
-    let nipple = of_left(113.04, 347.51, 179.96);
+    // A vertex.
+    let nipple = of_left(112.45, 352.95, 180.85);
     Marks {
         sternal_notch: of_left(0.0, 500.21, 89.78),
         navel: of_left(0.0, 119.77, 153.74),
@@ -421,9 +419,16 @@ mod tests {
             let trunk: std::collections::HashSet<_> = surface.positions.iter().map(bits).collect();
             let common = arms.positions.iter().filter(|at| trunk.contains(&bits(at))).count();
             assert_eq!(common, 2 * 57, "{tape:?}");
-            for (nipple, mark) in NIPPLES.into_iter().zip(marks.nipples) {
-                let away = surface.positions[nipple] - mark;
-                assert!(away.y > 4.0 && away.length() < 7.0, "{away}");
+            // The middle of an areola is the bump's vertex, in front of the breast around.
+            for mark in marks.nipples {
+                let away = |at: &&DVec3| at.distance(mark);
+                let by_distance = |a: &&DVec3, b: &&DVec3| away(a).total_cmp(&away(b));
+                let bump = surface.positions.iter().min_by(by_distance).unwrap();
+                assert!(bump.distance(mark) < 1.0, "{bump} {mark}");
+                let around: Vec<&DVec3> =
+                    surface.positions.iter().filter(|at| (6.0..14.0).contains(&away(at))).collect();
+                let mean = around.iter().map(|at| at.z).sum::<f64>() / around.len() as f64;
+                assert!(bump.z > mean + 2.0, "{bump} {mean}");
             }
         }
     }

@@ -42,9 +42,9 @@ impl Default for Torso {
         Self {
             chest_width_mm: Tape::OWN.chest_width_mm,
             breast_width_mm: Tape::OWN.breast_width_mm,
-            notch_nipple_mm: 197.1,
-            // The mean of 54 young women is 203 mm, the stored trunk has 226 mm.
-            nipple_nipple_mm: 206.0,
+            notch_nipple_mm: 192.7,
+            // The mean of 54 young women is 203 mm, the stored trunk has 225 mm.
+            nipple_nipple_mm: 204.7,
             breast_volume_ml: 130.0,
         }
     }

@@ -102,12 +102,11 @@ impl Torso {
     /// The built-in torso as a plan has it for its chest: both halves are mirror images, and each vertex moves with the column at its depth.
     #[must_use]
     pub fn of_torso(fitted: &FittedTorso) -> Self {
-        let trunk = &fitted.shaped.torso.surface;
-        let nipples = torso::NIPPLES.map(|k| trunk.positions[k]);
+        let torso::Torso { surface: trunk, marks } = &fitted.shaped.torso;
         let surface = joined(trunk, &fitted.shaped.arms);
         let own = &fitted.fit.frame;
         let frame = upright(own, DVec3::Y);
-        let mut torso = Self::of_surface(&surface, frame, DVec3::Z, Some(&nipples));
+        let mut torso = Self::of_surface(&surface, frame, DVec3::Z, Some(&marks.nipples));
         let hands = [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0)];
         for (side, hand) in hands.into_iter().enumerate() {
             let of = |(k, at): (usize, &DVec3)| Point {
