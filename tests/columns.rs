@@ -85,6 +85,7 @@ fn untimed(mut line: Value) -> Value {
 
 #[test]
 fn a_table_has_the_figures_of_the_lines_to_the_last_bit() {
+    // One run, compared column by column.
     let folder = folder();
     let ids = [
         json!(7),

@@ -54,6 +54,7 @@ const ROWS: &str = "0 0 0\n300 0 0\n0 300 9\n3 0 1 2\n";
 
 #[test]
 fn damaged_text_is_rejected_in_one_line() {
+    // A table of inputs.
     let _alone = ALONE.lock();
     let ply = |from: &str, to: &str| {
         let text = format!("{HEADER}{ROWS}");

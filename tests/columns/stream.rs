@@ -4,6 +4,7 @@ use super::*;
 
 #[test]
 fn a_table_goes_on_after_a_kill_with_nothing_lost_and_nothing_twice() {
+    // One run with its kill, its end and its repetition.
     const ROWS: usize = 2000;
     let folder = with_template();
     let projection = |k: usize| 10.0 + 0.001 * k as f64;

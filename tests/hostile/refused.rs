@@ -31,6 +31,7 @@ fn with_curve(curve: &str) -> String {
 
 #[test]
 fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
+    // A table of inputs.
     let _alone = ALONE.lock();
     let deep = |open: &str, close: &str| open.repeat(1000) + &close.repeat(1000);
     let long = "x".repeat(1_000_000);

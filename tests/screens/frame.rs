@@ -4,6 +4,7 @@ use super::*;
 
 #[test]
 fn every_control_and_reading_has_its_name() {
+    // A table of names.
     let harness = unfolded(|_| {});
     for slider in [
         "Width (cm)",

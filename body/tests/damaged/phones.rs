@@ -4,6 +4,7 @@ use super::*;
 
 #[test]
 fn damaged_glb_is_rejected_in_one_line() {
+    // A table of inputs.
     let _alone = ALONE.lock();
     let whole = glb(&phone_json(), &phone_data());
     assert!(check_surface(&whole, ""));

@@ -133,8 +133,8 @@ impl<'a> Shooting<'a> {
         (even * (1.0 - c2 * even * even / stretch), strain + c1 * even * even)
     }
 
-    /// Integrates from the apex with the stretch 1 + `strain` over the dome to θ = `angle`, then to the
-    /// border.
+    /// Integrates from the apex with the stretch 1 + `strain` over the dome to θ = `angle`, then to the border: in one piece, since both ways
+    /// keep the same knots.
     pub(super) fn shoot(
         &self,
         strain: f64,

@@ -113,7 +113,7 @@ fn tension_of_area(scene: &Scene, area: f64) -> Result<f64, SceneError> {
     Ok(thickness_mm * stress(curve, *poisson_ratio, [area.sqrt() - 1.0; 2])[0])
 }
 
-/// Area stretch of pig skin over an expander of 60 ml.
+/// Area stretch of pig skin over an expander of 60 ml: data, prediction and chart in one piece.
 ///
 /// # Errors
 /// A scene is out of its limits.

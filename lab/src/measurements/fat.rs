@@ -38,7 +38,7 @@ pub fn name(fat: Fat) -> &'static str {
     }
 }
 
-/// The comparison.
+/// The comparison: data, prediction and chart in one piece.
 ///
 /// # Errors
 /// A curve is invalid.

@@ -100,7 +100,7 @@ impl Case {
         }
     }
 
-    /// The scene on a grid with the given nodes per side and a tolerance \[fraction of the base radius\]. The sheets
+    /// The scene on a grid with the given nodes per side and a tolerance \[fraction of the base radius\], a table of cases. The sheets
     /// except the default are in `tests/reference/membrane.json`.
     #[must_use]
     pub fn scene(self, nodes_per_side: usize, tolerance: f64) -> Scene {

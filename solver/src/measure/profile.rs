@@ -127,6 +127,7 @@ pub(super) fn along(layer: Layer, direction: Direction, radius: f64) -> Vec<Prof
     beside_edges(layer, direction, radius, &[])
 }
 
+/// The profile beside edges of the contact, in one loop over its points: an edge moves the nodes that a point is interpolated from.
 fn beside_edges(
     layer: Layer,
     direction: Direction,

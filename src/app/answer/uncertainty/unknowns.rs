@@ -221,7 +221,7 @@ pub(super) fn measurement(unknown: Unknown) -> Option<&'static str> {
     }
 }
 
-/// The words of an unknown.
+/// The words of an unknown, a table.
 pub(super) fn words(unknown: Unknown) -> Words {
     let of_plan = Words {
         name: "",

@@ -83,7 +83,7 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
     })
 }
 
-/// The pictures of the report with what belongs to them.
+/// The pictures of the report with what belongs to them, in their order on paper: all drawn while the view is elsewhere.
 fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
     let shared_has_surface = shared.has_surface();
     let Shared { session, compare, uncertainty, viewport, choices, practices, .. } = shared;

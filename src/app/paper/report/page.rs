@@ -82,7 +82,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     .second{break-inside:avoid}.second img{max-height:72mm}.poses{margin:5px 0}.plan p{padding:1px 0}.wide{overflow:visible}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
 
 impl Page {
-    /// The file, without scripts and outside addresses.
+    /// The file, one template without scripts and outside addresses.
     pub(super) fn html(&self) -> String {
         let mut body = String::new();
         let page = &mut body;

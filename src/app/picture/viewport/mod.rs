@@ -34,7 +34,7 @@ use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
 use crate::view::body::Body;
 use crate::view::camera::{Ball, Camera, View};
-use crate::view::color::Rgb;
+use crate::view::color::{Rgb, Scale};
 use crate::view::mesh::Mesh;
 use crate::view::picture::Picture;
 use crate::view::section::{Opening, Section};
@@ -121,6 +121,37 @@ struct Drawn<'a> {
     areola: Areola,
     /// The line of the pocket's edge?
     pocket_line: bool,
+}
+
+impl<'a> Drawn<'a> {
+    /// A picture of a problem, in a table of colours with the field values at its ends.
+    fn of(
+        number: u64,
+        numbers: Arc<[u64]>,
+        picture: &Picture,
+        (table, range): (&'a Arc<Vec<Rgb>>, [f32; 2]),
+        problem: &'a Problem,
+        options: &Options,
+    ) -> Self {
+        Self {
+            number,
+            numbers,
+            meshes: meshes_of(picture),
+            nodes_per_side: picture.body.nodes_per_side,
+            table,
+            range,
+            problem,
+            section: section_of(options, problem),
+            net: options.net,
+            areola: options.areola(),
+            pocket_line: options.has_pocket_line(),
+        }
+    }
+}
+
+/// Field values at both ends of a scale.
+fn range_of(scale: Option<&Scale>) -> [f32; 2] {
+    scale.map_or([0.0, 1.0], |scale| [scale.low, scale.high])
 }
 
 impl Viewport {
@@ -257,13 +288,7 @@ impl Viewport {
         let beside = (way == Before::Beside).then(|| self.interact_before(ui, before));
         let response = self.interact(ui, area);
         let ball = wall::ball(session.problem());
-        self.place_camera(ball, area.width() / area.height(), torso.as_deref());
-        if let Some(standing) = shown.standing {
-            self.camera = match &torso {
-                Some(torso) => torso::standing(torso, self.aspect, standing),
-                None => Camera::standing(ball, self.aspect, standing),
-            };
-        }
+        self.place_camera(ball, area.width() / area.height(), torso.as_deref(), shown.standing);
         self.camera.mirror(session.scene().is_right());
         let section = section_of(options, session.problem());
         let start = self.start;
@@ -282,19 +307,8 @@ impl Viewport {
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
         let scale = self.picture.scale.as_ref();
-        let drawn = Drawn {
-            number: CURRENT,
-            numbers: before::numbers(way),
-            meshes: meshes_of(&self.picture),
-            nodes_per_side: self.picture.body.nodes_per_side,
-            table: &self.picture.table,
-            range: scale.map_or([0.0, 1.0], |s| [s.low, s.high]),
-            problem: session.problem(),
-            section,
-            net: options.net,
-            areola: options.areola(),
-            pocket_line: options.has_pocket_line(),
-        };
+        let (numbers, colours) = (before::numbers(way), (&self.picture.table, range_of(scale)));
+        let drawn = Drawn::of(CURRENT, numbers, &self.picture, colours, session.problem(), options);
         let mesh_before = self.picture.before().cloned().filter(|_| way != Before::Off);
         let (words, wipe) = match mesh_before {
             Some(mesh) => {

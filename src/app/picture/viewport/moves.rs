@@ -3,7 +3,7 @@
 use super::Viewport;
 use super::torso::{pose_of, standing};
 use crate::app::widgets::arrow_keys;
-use crate::view::camera::{Ball, Camera, View};
+use crate::view::camera::{Ball, Camera, Standing, View};
 use crate::view::torso::Torso;
 use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec2;
@@ -14,8 +14,14 @@ const KEY_ORBIT: f32 = 14.0;
 const CLEARANCE_MM: f32 = 50.0;
 
 impl Viewport {
-    /// Fits the camera in its standard view to a new aspect ratio, unless the user has moved the camera.
-    pub(super) fn place_camera(&mut self, ball: Ball, aspect: f32, torso: Option<&Torso>) {
+    /// Fits the camera in its standard view to a new aspect ratio, unless the user has moved the camera. On paper it has a standard pose.
+    pub(super) fn place_camera(
+        &mut self,
+        ball: Ball,
+        aspect: f32,
+        torso: Option<&Torso>,
+        on_paper: Option<Standing>,
+    ) {
         if !self.is_placed {
             self.fitted = Some((ball, self.fitted.map_or(View::All, |(_, view)| view)));
         }
@@ -33,6 +39,12 @@ impl Viewport {
             };
         }
         (self.is_placed, self.aspect) = (true, aspect);
+        if let Some(pose) = on_paper {
+            self.camera = match torso {
+                Some(torso) => standing(torso, aspect, pose),
+                None => Camera::standing(ball, aspect, pose),
+            };
+        }
     }
 
     pub(super) fn move_camera(&mut self, ui: &Ui, response: &Response, area: Rect) -> bool {

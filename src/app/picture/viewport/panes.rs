@@ -2,7 +2,7 @@
 
 use super::marks::Marked;
 use super::{
-    CURRENT, Drawn, Shown, Viewport, colouring, legend, meshes_of, of_legend, overlay, section_of,
+    CURRENT, Drawn, Shown, Viewport, colouring, legend, of_legend, overlay, range_of, section_of,
 };
 use crate::app::answer::differing;
 use crate::app::plan::device::Device;
@@ -12,17 +12,17 @@ use crate::app::widgets::keep_press;
 use crate::scene::Scene;
 use crate::session::{Pin, Session};
 use crate::solve::Problem;
-use crate::study::name_in_words;
-use crate::view::camera::{Ball, Camera};
-use crate::view::color::{Rgb, Scale};
+use crate::study::{SectionBand, name_in_words};
+use crate::view::camera::Ball;
+use crate::view::color::Rgb;
 use crate::view::picture::Picture;
 use crate::view::quantity::Quantity;
+use crate::view::section::Section;
 use crate::view::side_by_side::{Colours, Limited};
 use crate::view::subject::{PinnedShape, Subject};
 use crate::view::torso::Torso;
 use crate::view::wall;
 use eframe::egui::{self, Id, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
-use std::borrow::Cow;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -34,6 +34,23 @@ pub(super) struct Pane {
     /// The pin's number.
     number: u64,
     pub(super) picture: Picture,
+}
+
+/// The colours of all pictures, and their numbers.
+struct Common<'a> {
+    colours: Colours,
+    numbers: Arc<[u64]>,
+    shown: Shown<'a>,
+}
+
+/// One of the pictures, with words at its top and lines over its skin.
+struct Cell<'a, S> {
+    number: u64,
+    picture: &'a Picture,
+    subject: &'a S,
+    area: Rect,
+    caption: String,
+    envelope: &'a [SectionBand],
 }
 
 impl Viewport {
@@ -60,13 +77,8 @@ impl Viewport {
             self.is_placed = false;
         }
         let torso = self.torso(options, session.scene());
-        self.place_camera(ball, own_area.width() / own_area.height(), torso.as_deref());
-        if let Some(standing) = shown.standing {
-            self.camera = match &torso {
-                Some(torso) => super::torso::standing(torso, self.aspect, standing),
-                None => Camera::standing(ball, self.aspect, standing),
-            };
-        }
+        let aspect = own_area.width() / own_area.height();
+        self.place_camera(ball, aspect, torso.as_deref(), shown.standing);
 
         let own = self.interact(ui, own_area);
         let responses: Vec<Response> =
@@ -82,71 +94,21 @@ impl Viewport {
         if moved || self.camera.is_easing() || !up_to_date {
             ui.ctx().request_repaint();
         }
-        let limited = |picture: &Picture, scene: &Scene, problem: &Problem| Limited {
-            greatest: picture.greatest,
-            skin: practices.skin(scene, problem.skin_knee()),
-        };
-        let own_limits = limited(&self.picture, session.scene(), Subject::problem(session));
-        let panes = self.panes.iter().zip(&pins);
-        let limits =
-            panes.map(|(pane, shape)| limited(&pane.picture, shape.scene(), shape.problem()));
-        let limits: Vec<Limited> = limits.chain([own_limits]).collect();
-        let colours = Colours::new(options.quantity, &limits, &session.scene().layers);
-        if let Colours::Common(scale) = &colours {
-            let table = scale.as_ref().map_or(&[[1.0; 3]][..], |scale| &scale.table);
-            if self.common_table.as_slice() != table {
-                self.common_table = Arc::new(table.to_vec());
-            }
-        }
-        let numbers: Arc<[u64]> =
-            self.panes.iter().map(|pane| pane.number).chain([CURRENT]).collect();
-        let drawn = |number, picture: &Picture, (table, range), problem| Drawn {
-            number,
-            numbers: Arc::clone(&numbers),
-            meshes: meshes_of(picture),
-            nodes_per_side: picture.body.nodes_per_side,
-            table,
-            range,
-            problem,
-            section: section_of(options, problem),
-            net: options.net,
-            areola: options.areola(),
-            pocket_line: options.has_pocket_line(),
-        };
-        // What differs beside the size, in a line below the title.
-        let differs = differing::in_words(session, Device::of(ui.ctx()));
-        let mut scenes = pins.iter().map(Subject::scene).chain([session.scene()]);
-        let has_times = scenes.any(when::has_state);
-        let caption = |title: String, scene: &Scene| {
-            let title = match has_times.then(|| when::time_in_words(scene)) {
-                Some(time) => format!("{title} · {}", time.to_lowercase()),
-                None => title,
-            };
-            match differs(scene) {
-                words if words.is_empty() => title,
-                words => format!("{title}\n{words}"),
-            }
-        };
-        let of_plan = |scale, plan: &Scene| of_legend(scale, plan, practices);
+        let numbers = self.panes.iter().map(|pane| pane.number).chain([CURRENT]).collect();
+        let common = Common { colours: self.common_colours(&pins, shown), numbers, shown };
+        let captions = captions(ui, &pins, session);
         let mut clicked = None;
         for ((pane, shape), response) in self.panes.iter().zip(&pins).zip(&responses) {
             self.camera.mirror(shape.scene().is_right());
-            let area = response.rect;
-            let painter = ui.painter_at(area);
-            overlay::background(ui, &painter, area);
-            let drawn = drawn(
-                pane.number,
-                &pane.picture,
-                colours_of(&self.common_table, &colours, &pane.picture),
-                shape.problem(),
-            );
-            let section = drawn.section;
-            self.draw(ui, &painter, area, drawn);
-            overlay::caption(ui, &painter, area, &caption(title(shape.pin), shape.scene()));
-            if colours == Colours::Own(None) {
-                let scale = pane.picture.scale.as_ref();
-                own_legend(ui, &painter, area, scale.map(|scale| of_plan(scale, shape.scene())));
-            }
+            let cell = Cell {
+                number: pane.number,
+                picture: &pane.picture,
+                subject: shape,
+                area: response.rect,
+                caption: captions(title(shape.pin), shape.scene()),
+                envelope: &[],
+            };
+            let section = self.draw_cell(ui, &cell, &common);
             let marked = Marked { picture: &pane.picture, subject: shape, section, taken: &[] };
             clicked = clicked.or(self.show_marks(ui, response, &marked));
         }
@@ -155,41 +117,72 @@ impl Viewport {
             ui.painter().rect_stroke(*area, 0.0, line, StrokeKind::Outside);
         }
         self.camera.mirror(session.scene().is_right());
-        let painter = ui.painter_at(own_area);
-        overlay::background(ui, &painter, own_area);
-        let drawn = drawn(
-            CURRENT,
-            &self.picture,
-            colours_of(&self.common_table, &colours, &self.picture),
-            Subject::problem(session),
-        );
-        let section = drawn.section;
-        self.draw(ui, &painter, own_area, drawn);
-        self.draw_envelope(ui, &painter, own_area, (session, section), envelope);
         let title = tr!("this plan · {size}", size = texts::shown(&name_in_words(session.scene())));
-        overlay::caption(ui, &painter, own_area, &caption(title, session.scene()));
-        match &colours {
-            Colours::Common(Some(scale)) | Colours::Own(Some(scale)) => {
-                let strip = area.with_min_y(area.top() + bar);
-                let scale = of_plan(scale, session.scene());
-                legend::strip(ui, &ui.painter_at(strip), strip, &scale);
-            }
-            Colours::Own(None) => {
-                let scale = self.picture.scale.as_ref();
-                own_legend(
-                    ui,
-                    &painter,
-                    own_area,
-                    scale.map(|scale| of_plan(scale, session.scene())),
-                );
-            }
-            Colours::Common(None) => {}
+        let cell = Cell {
+            number: CURRENT,
+            picture: &self.picture,
+            subject: session,
+            area: own_area,
+            caption: captions(title, session.scene()),
+            envelope,
+        };
+        let section = self.draw_cell(ui, &cell, &common);
+        if let Colours::Common(Some(scale)) | Colours::Own(Some(scale)) = &common.colours {
+            let strip = area.with_min_y(area.top() + bar);
+            let scale = of_legend(scale, session.scene(), practices);
+            legend::strip(ui, &ui.painter_at(strip), strip, &scale);
         }
         let bar = self.show_scale(ui, own_area, strip);
-        self.handles = Some(painter.add(egui::Shape::Noop));
+        self.handles = Some(ui.painter_at(own_area).add(egui::Shape::Noop));
         let marked = Marked { picture: &self.picture, subject: session, section, taken: &[bar] };
         let clicked = clicked.or(self.show_marks(ui, &own, &marked));
         self.click(clicked);
+    }
+
+    /// The colours of the session and of the pins, and the table of those that all have in common.
+    fn common_colours(&mut self, pins: &[PinnedShape<'_>], shown: Shown<'_>) -> Colours {
+        let Shown { session, options, practices, .. } = shown;
+        let limited = |picture: &Picture, scene: &Scene, problem: &Problem| Limited {
+            greatest: picture.greatest,
+            skin: practices.skin(scene, problem.skin_knee()),
+        };
+        let own = limited(&self.picture, session.scene(), Subject::problem(session));
+        let panes = self.panes.iter().zip(pins);
+        let limits =
+            panes.map(|(pane, shape)| limited(&pane.picture, shape.scene(), shape.problem()));
+        let limits: Vec<Limited> = limits.chain([own]).collect();
+        let colours = Colours::new(options.quantity, &limits, &session.scene().layers);
+        if let Colours::Common(scale) = &colours {
+            let table = scale.as_ref().map_or(&[[1.0; 3]][..], |scale| &scale.table);
+            if self.common_table.as_slice() != table {
+                self.common_table = Arc::new(table.to_vec());
+            }
+        }
+        colours
+    }
+
+    /// Draws one of the pictures, with its caption and, without colours in common, its legend. Returns its cut.
+    fn draw_cell(
+        &self,
+        ui: &Ui,
+        cell: &Cell<'_, impl Subject>,
+        Common { colours, numbers, shown }: &Common<'_>,
+    ) -> Section {
+        let &Cell { number, picture, subject, area, ref caption, envelope } = cell;
+        let painter = ui.painter_at(area);
+        overlay::background(ui, &painter, area);
+        let table = colours_of(&self.common_table, colours, picture);
+        let (numbers, problem) = (Arc::clone(numbers), subject.problem());
+        let drawn = Drawn::of(number, numbers, picture, table, problem, shown.options);
+        let section = drawn.section;
+        self.draw(ui, &painter, area, drawn);
+        self.draw_envelope(ui, &painter, area, (subject, section), envelope);
+        overlay::caption(ui, &painter, area, caption);
+        if let (Colours::Own(None), Some(scale)) = (colours, &picture.scale) {
+            let scale = of_legend(scale, subject.scene(), shown.practices);
+            legend::strip(ui, &painter, area.with_min_y(area.top() + overlay::CAPTION), &scale);
+        }
+        section
     }
 
     /// The ball around the bodies of the session and of the pins beside it.
@@ -276,15 +269,24 @@ fn pane(ui: &Ui, pin: &Pin, area: Rect) -> Response {
     response
 }
 
-/// Field values at both ends of a scale.
-fn range_of(scale: Option<&Scale>) -> [f32; 2] {
-    scale.map_or([0.0, 1.0], |scale| [scale.low, scale.high])
-}
-
-/// Draws the legend of one picture of several, below its caption.
-fn own_legend(ui: &Ui, painter: &egui::Painter, area: Rect, scale: Option<Cow<'_, Scale>>) {
-    if let Some(scale) = scale {
-        legend::strip(ui, painter, area.with_min_y(area.top() + overlay::CAPTION), &scale);
+/// The caption of a scene with a title: the time, if any has one, and what differs beside the size in a line below.
+fn captions(
+    ui: &Ui,
+    pins: &[PinnedShape<'_>],
+    session: &Session,
+) -> impl Fn(String, &Scene) -> String {
+    let differs = differing::in_words(session, Device::of(ui.ctx()));
+    let mut scenes = pins.iter().map(Subject::scene).chain([session.scene()]);
+    let has_times = scenes.any(when::has_state);
+    move |title, scene| {
+        let title = match has_times.then(|| when::time_in_words(scene)) {
+            Some(time) => format!("{title} · {}", time.to_lowercase()),
+            None => title,
+        };
+        match differs(scene) {
+            words if words.is_empty() => title,
+            words => format!("{title}\n{words}"),
+        }
     }
 }
 

@@ -189,33 +189,16 @@ pub(super) fn run(
     let work = move |worker: &mut Worker, text| run.answer(worker, text);
     let settings = ManySettings { in_order: !unordered, ..threads.settings() };
     let mut progress = Progress::new();
-    let (mut written, mut errors, mut defects, mut not_converged) = (0_u64, 0_u64, 0_u64, 0_u64);
-    let mut skipped = 0_u64;
+    let mut counts = Counts::default();
     let end = stream::run(Many::new(texts, settings, work), |finished| {
         let part = all_bytes.map(|all| bytes.load(Ordering::Relaxed) as f64 / all as f64);
         progress.count(part);
-        let line = match finished.result {
-            Ok(Answer::Result(line, status)) => {
-                not_converged += u64::from(status != Status::Converged);
-                line
-            }
-            Ok(Answer::Error(line)) => {
-                errors += 1;
-                line
-            }
-            Ok(Answer::Defect(line)) => {
-                defects += 1;
-                line
-            }
-            Ok(Answer::Done) => {
-                skipped += 1;
-                return Ok(ControlFlow::Continue(()));
-            }
-            // The hook has reported the panic.
-            Err(panic) => resume_unwind(Box::new(panic)),
-        };
-        written += 1;
-        file.write(&line)
+        // The hook has reported the panic.
+        let answer = finished.result.unwrap_or_else(|panic| resume_unwind(Box::new(panic)));
+        match counts.add(answer) {
+            Some(line) => file.write(&line),
+            None => Ok(ControlFlow::Continue(())),
+        }
     })?;
     drop(progress);
     file.finish()?;
@@ -224,8 +207,8 @@ pub(super) fn run(
         1 => output::warn("1 empty row of the table is left out"),
         rows => output::warn(&format!("{rows} empty rows of the table are left out")),
     }
-    if skipped > 0 {
-        output::warn(&format!("--skip-done: {skipped} scenes have a line already"));
+    if counts.skipped > 0 {
+        output::warn(&format!("--skip-done: {} scenes have a line already", counts.skipped));
     }
     let changed = changed.load(Ordering::Relaxed);
     if changed > 0 {
@@ -234,17 +217,60 @@ pub(super) fn run(
         ));
     }
     if end == End::Signal {
-        stream::warn_of_signal(&format!("{written} lines are whole"));
+        stream::warn_of_signal(&format!("{} lines are whole", counts.written));
         return Ok(ExitStatus::Interrupted);
     }
-    if defects > 0 {
-        return Ok(ExitStatus::Defect);
+    counts.status()
+}
+
+/// How the scenes of a run ended.
+#[derive(Default)]
+struct Counts {
+    written: u64,
+    errors: u64,
+    defects: u64,
+    not_converged: u64,
+    skipped: u64,
+}
+
+impl Counts {
+    /// Counts an answer; returns its line, none of a scene that has one already.
+    fn add(&mut self, answer: Answer) -> Option<String> {
+        let line = match answer {
+            Answer::Result(line, status) => {
+                self.not_converged += u64::from(status != Status::Converged);
+                line
+            }
+            Answer::Error(line) => {
+                self.errors += 1;
+                line
+            }
+            Answer::Defect(line) => {
+                self.defects += 1;
+                line
+            }
+            Answer::Done => {
+                self.skipped += 1;
+                return None;
+            }
+        };
+        self.written += 1;
+        Some(line)
     }
-    if errors > 0 {
-        let line =
-            format!("{errors} of {written} lines of the output are errors of invalid scenes");
-        return Err(InputError(line));
+
+    fn status(&self) -> Result<ExitStatus, InputError> {
+        let Self { written, errors, defects, not_converged, .. } = self;
+        if *defects > 0 {
+            return Ok(ExitStatus::Defect);
+        }
+        if *errors > 0 {
+            let line =
+                format!("{errors} of {written} lines of the output are errors of invalid scenes");
+            return Err(InputError(line));
+        }
+        Ok(match not_converged {
+            0 => ExitStatus::Converged,
+            _ => ExitStatus::NotConverged,
+        })
     }
-    let all_converged = not_converged == 0;
-    Ok(if all_converged { ExitStatus::Converged } else { ExitStatus::NotConverged })
 }

@@ -87,6 +87,7 @@ fn layered_forces_equal_the_exact_forces_and_the_gradient_of_the_energy() {
 
 const POCKET: Pocket = Pocket::round(40.0);
 
+/// Forces in lanes against those in f64, node by node: one scene with all that acts on it.
 fn compare_layered_forces(
     chest: Chest,
     solid: SolidKind,
