@@ -1,5 +1,6 @@
-//! Fat that tight skin squeezes off the apex of a steep dome: large cells of the inner face, nodes that snap from one place to the next.
+//! Steep domes on coarse grids: large cells of the inner face, nodes that snap from one place to the next, skin in the dome.
 
+use implant_preview_core::measure::Status;
 use implant_preview_core::scene::Scene;
 use implant_preview_core::simulate::simulate;
 use implant_preview_core::solve::{Method, Solver, Verdict};
@@ -32,4 +33,19 @@ fn fat_squeezed_off_the_apex_has_a_shape_on_a_coarse_grid() {
         println!("{case}: {:.3}", coarse / fine);
         assert!((coarse / fine - 1.0).abs() < 0.1, "{case}: {coarse} {fine} N");
     }
+}
+
+/// A converged cover below zero stood in results and spread over maps.
+#[test]
+fn a_skin_in_the_dome_is_no_shape() {
+    let steep = r#"{ "implant": { "base_radius_mm": 41.37931034, "projection_mm": 64.82758621 }, "chest": { "radius_across_mm": 140 },
+                     "pocket_radius_mm": 51.37931034, "solver": { "tolerance": 1e-3 },
+                     "patient": { "base_width_mm": 120, "pinch_mm": 20, "skin_class": "normal" } }"#;
+    let scene = Scene::from_json(steep).expect("a scene within the limits");
+    let coarse = simulate(&on(33, &scene)).expect("a scene within the limits");
+    assert_eq!(coarse.status, Status::Unstable);
+    assert!(coarse.warnings.iter().any(|line| line.contains("protrudes")), "{:?}", coarse.warnings);
+    let fine = simulate(&on(65, &scene)).expect("a scene within the limits");
+    let cover = fine.cover_mm.expect("a shape");
+    assert!(fine.status == Status::Converged && cover.least > 3.0, "{cover:?}");
 }

@@ -2,6 +2,8 @@
 
 use super::multigrid::Multigrid;
 use super::{Displayed, Invalid, Progress, Solver, Stage, Verdict, fas};
+use crate::mesh::part::Part;
+use glam::DVec3;
 
 /// Estimated error up to which the last shape of a failed solve of layered tissue is a start of Newton's method, and a shape to display: beyond, or
 /// without an estimate, it is no approximation of an equilibrium, and its forces are those of no tissue \[base radius\].
@@ -30,17 +32,44 @@ impl Solver {
         error <= MAX_ERROR_OF_SHAPE * self.problem.obstacle.dome.reference_length()
     }
 
-    /// Makes the last shape of layered tissue admissible: a step of Newton's method ends beside the dome by the square of
-    /// its length. A shape with an inverted cell is no shape.
-    pub(super) fn admit_last_shape(&mut self) {
+    /// A shape of layered tissue whose skin lies in the dome, on a grid that is too coarse for it, or with an inverted cell, is no shape.
+    pub(super) fn admit_shape(&mut self) {
+        if self.verdict == Verdict::Unstable {
+            return;
+        }
+        let is_last = self.verdict == Verdict::NotConverged;
+        self.invalid = if is_last && self.last_shape_is_inverted() {
+            Some(Invalid::NotFound)
+        } else if self.is_skin_pierced() {
+            Some(Invalid::Penetrated)
+        } else {
+            return;
+        };
+        self.verdict = Verdict::Unstable;
+    }
+
+    /// Does the outer surface of the skin lie in the dome at a node?
+    fn is_skin_pierced(&self) -> bool {
+        let dome = self.problem.obstacle.dome.draped::<f64>();
+        let is_inside = |point: DVec3| dome.length_squared(point.to_array()) < 1.0;
+        let part = Part::new(self.problem.sheet().nodes_per_side(), self.mirrored);
+        // Few skins have a membrane in there, which is deeper.
+        let Some(membrane) = self.outer.last().filter(|_| self.error_at_rest() > 0.0) else {
+            return false;
+        };
+        part.nodes().any(|k| is_inside(membrane[k])) && {
+            let solution = self.solution();
+            part.nodes().any(|k| is_inside(solution.outer_surface_at(k).as_dvec3()))
+        }
+    }
+
+    /// Projects the last shape: a step of Newton's method ends beside the dome by the square of its length. Has it an inverted cell?
+    fn last_shape_is_inverted(&mut self) -> bool {
         let obstacle = &self.problem.obstacle;
         for x in &mut self.x {
             *x = obstacle.project(*x, 0.0);
         }
-        if self.solution().has_inverted_cell() {
-            self.invalid = Some(Invalid::NotFound);
-            self.verdict = Verdict::Unstable;
-        }
+        self.solution().has_inverted_cell()
     }
 
     /// Is a shape that of the problem, not one on the way there: before the skin has grown, or under a void that is still to be smaller?

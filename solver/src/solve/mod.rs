@@ -483,8 +483,8 @@ impl Solver {
 
     fn end(&mut self, verdict: Verdict) {
         self.verdict = verdict;
-        if verdict == Verdict::NotConverged && self.law.layered().is_some() {
-            self.admit_last_shape();
+        if self.law.layered().is_some() {
+            self.admit_shape();
         }
         self.progress = Progress::Done;
         self.displayed = Displayed::Final;
