@@ -129,10 +129,16 @@ impl Map {
             );
         }
         if self.is_sampled() {
+            let is_whole = self.counts().into_iter().all(|(s, _)| s != PointStatus::Waiting);
             notes.push(format!(
-                "{} of {} points are solved, the others are interpolated, with an error of each quantity.",
+                "{} of {} points are solved, {}.",
                 self.scenes_solved() - self.solved_in_full(),
-                self.cases().len()
+                self.cases().len(),
+                if is_whole {
+                    "the others are interpolated, with an error of each quantity"
+                } else {
+                    "the run ended before all others were interpolated"
+                }
             ));
         }
         let in_full = self.solved_in_full();
