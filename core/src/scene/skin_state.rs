@@ -2,7 +2,7 @@
 
 use super::{Field, Scene, SceneError, TissueModel, out_of_range};
 use crate::clinical::When;
-use crate::curve::{number, present};
+use crate::curve::{Curve, number, present};
 use crate::mesh::NaturalStretch;
 use crate::springs::Material;
 use crate::springs::coupled::equivalent_strain;
@@ -70,6 +70,17 @@ impl SkinState {
         Some(strain.map(|strain| 1.0 + strain))
     }
 
+    /// The greatest natural tension up to the given one that stretches a skin by [`MOST_STRAIN`] at most \[N/m\].
+    fn greatest(&self, skin: &Material) -> f64 {
+        let (mut least, mut most) = (0.0, self.natural_tension_n_per_m);
+        for _ in 0..50 {
+            let middle = 0.5 * (least + most);
+            let is_small = self.stretches(skin, middle).is_some();
+            *(if is_small { &mut least } else { &mut most }) = middle;
+        }
+        least
+    }
+
     /// The stretch of a skin at rest.
     ///
     /// # Errors
@@ -82,15 +93,9 @@ impl SkinState {
         if let Some(stretches) = self.stretches(skin, given) {
             return Ok(NaturalStretch::new(stretches, self.direction_deg.to_radians()));
         }
-        let (mut least, mut most) = (0.0, given);
-        for _ in 0..50 {
-            let middle = 0.5 * (least + most);
-            let is_small = self.stretches(skin, middle).is_some();
-            *(if is_small { &mut least } else { &mut most }) = middle;
-        }
         let allowed = format!(
             "0 to {} N/m, which stretches this skin by {} %",
-            number((10.0 * least).floor() / 10.0),
+            number((10.0 * self.greatest(skin)).floor() / 10.0),
             100.0 * MOST_STRAIN
         );
         Err(out_of_range(Field::NaturalTension.path, number(given), &allowed))
@@ -136,6 +141,17 @@ impl SkinState {
 }
 
 impl Scene {
+    /// Lowers a natural tension that the skin does not bear to the greatest one that it does.
+    pub(crate) fn lower_tension(&mut self) {
+        let Some(skin) = self.layers.first() else { return };
+        let (state, curve) = (&mut self.body.skin_state, Curve::scaled(&skin.curve));
+        let Ok(curve) = curve else { return };
+        let skin = Material::new(curve, skin.poisson_ratio, skin.thickness_mm);
+        if state.stretches(&skin, state.natural_tension_n_per_m).is_none() {
+            state.natural_tension_n_per_m = state.greatest(&skin);
+        }
+    }
+
     /// The scene at a time after the operation; a sheet has none and stays as it is.
     #[must_use]
     pub fn at(&self, when: When) -> Self {

@@ -220,6 +220,7 @@ impl Bands {
             }
         }
         scene.patient = None;
+        scene.lower_tension();
         self.grid.apply(&mut scene);
         scene.validate().map_err(|error| error.to_string())?;
         Ok(scene)

@@ -325,6 +325,16 @@ mod tests {
             let state = sampled(Unknown::NaturalTension, value).body.skin_state;
             assert!((state.natural_tension_n_per_m - tension).abs() < 1e-12);
         }
+        // A skin of 1.55 mm bears less where it is softer.
+        let mut soft = base.clone();
+        soft.layers[0].curve.stress_scale = 0.2;
+        soft.body.skin_state.natural_tension_n_per_m = 300.0;
+        assert!(soft.validate().is_err());
+        soft.lower_tension();
+        let borne = soft.body.skin_state.natural_tension_n_per_m;
+        assert!(soft.validate().is_ok() && borne > 100.0, "{borne}");
+        soft.lower_tension();
+        assert!((soft.body.skin_state.natural_tension_n_per_m - borne).abs() < 1e-12);
         for (value, grown) in [(0.2, 0.5), (-0.5, LEAST_GROWN), (1.0, 1.0)] {
             let state = sampled(Unknown::Grown, value).body.skin_state;
             assert!((state.grown - grown).abs() < 1e-12);
