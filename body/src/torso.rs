@@ -95,7 +95,7 @@ fn marks() -> Marks {
         lateral: of_left(140.58, 371.08, 84.61),
         implant_centre: None,
     };
-    // A vertex.
+    // The vertex on the bump.
     let nipple = of_left(112.45, 352.95, 180.85);
     Marks {
         sternal_notch: of_left(0.0, 500.21, 89.78),

@@ -53,7 +53,7 @@ impl Solver {
         let dome = self.problem.obstacle.dome.draped::<f64>();
         let is_inside = |point: DVec3| dome.length_squared(point.to_array()) < 1.0;
         let part = Part::new(self.problem.sheet().nodes_per_side(), self.mirrored);
-        // Few skins have a membrane in there, which is deeper.
+        // The membrane is deeper than the outer surface: most skins need no normals.
         let Some(membrane) = self.outer.last().filter(|_| self.error_at_rest() > 0.0) else {
             return false;
         };
