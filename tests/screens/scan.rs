@@ -228,7 +228,7 @@ fn a_bad_file_has_one_line_and_wrong_marks_stay() {
     // Another unit: the distance says so, and there is no plan.
     button(&harness, "cm").click();
     harness.run();
-    harness.get_by_label_contains("Notch to nipple is 210.3 cm");
+    harness.get_by_label_contains("Notch to nipple is 206.5 cm");
     harness.get_by_label_contains("check unit and marks");
     assert!(button(&harness, "Use these marks").accesskit_node().is_disabled());
     button(&harness, "mm").click();

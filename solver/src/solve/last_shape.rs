@@ -3,7 +3,6 @@
 use super::multigrid::Multigrid;
 use super::{Displayed, Invalid, Progress, Solver, Stage, Verdict, fas};
 use crate::mesh::part::Part;
-use glam::DVec3;
 
 /// Estimated error up to which the last shape of a failed solve of layered tissue is a start of Newton's method, and a shape to display: beyond, or
 /// without an estimate, it is no approximation of an equilibrium, and its forces are those of no tissue \[base radius\].
@@ -50,16 +49,16 @@ impl Solver {
 
     /// Does the outer surface of the skin lie in the dome at a node?
     fn is_skin_pierced(&self) -> bool {
-        let dome = self.problem.obstacle.dome.draped::<f64>();
-        let is_inside = |point: DVec3| dome.length_squared(point.to_array()) < 1.0;
         let part = Part::new(self.problem.sheet().nodes_per_side(), self.mirrored);
-        // The membrane is deeper than the outer surface: most skins need no normals.
         let Some(membrane) = self.outer.last().filter(|_| self.error_at_rest() > 0.0) else {
             return false;
         };
-        part.nodes().any(|k| is_inside(membrane[k])) && {
+        let dome = &self.problem.obstacle.dome;
+        let draped = dome.draped::<f64>();
+        // The membrane is deeper than the outer surface: most skins need no normals.
+        part.nodes().any(|k| draped.length_squared(membrane[k].to_array()) < 1.0) && {
             let solution = self.solution();
-            part.nodes().any(|k| is_inside(solution.outer_surface_at(k).as_dvec3()))
+            part.nodes().any(|k| dome.gauge(solution.outer_surface_at(k).as_dvec3()) < 0.0)
         }
     }
 

@@ -29,6 +29,7 @@ pub(crate) use shown::Shown;
 use crate::app::texts::tr;
 use crate::app::widgets::keep_press;
 use crate::body;
+use crate::scene::Scene;
 use crate::session::Session;
 use crate::solve::{Problem, Tissue};
 use crate::study::SectionBand;
@@ -321,7 +322,7 @@ impl Viewport {
                 (before::time(ui, area, whole.top() + bar, session.scene()), self.wipe)
             }
         };
-        self.draw_envelope(ui, &painter, area, (session, section), envelope);
+        self.draw_envelope(ui, &painter, area, (session.scene(), section), envelope);
         for outline in outlines {
             for line in outline.lines(section, self.camera.pose().azimuth) {
                 let points = line.iter().filter_map(|point| self.point(*point, area)).collect();
@@ -439,11 +440,11 @@ impl Viewport {
         ui: &Ui,
         painter: &egui::Painter,
         area: Rect,
-        (session, section): (&impl Subject, Section),
+        (scene, section): (&Scene, Section),
         band: &[SectionBand],
     ) {
         let azimuth = self.camera.pose().azimuth;
-        for line in envelope::lines(band, session.scene().is_round(), section, azimuth) {
+        for line in envelope::lines(band, scene.is_round(), section, azimuth) {
             let points = line.points.iter().filter_map(|point| self.point(*point, area)).collect();
             overlay::envelope(ui, painter, points, line.is_outer);
         }

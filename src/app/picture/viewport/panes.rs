@@ -44,10 +44,11 @@ struct Common<'a> {
 }
 
 /// One of the pictures, with words at its top and lines over its skin.
-struct Cell<'a, S> {
+struct Cell<'a> {
     number: u64,
     picture: &'a Picture,
-    subject: &'a S,
+    scene: &'a Scene,
+    problem: &'a Problem,
     area: Rect,
     caption: String,
     envelope: &'a [SectionBand],
@@ -103,7 +104,8 @@ impl Viewport {
             let cell = Cell {
                 number: pane.number,
                 picture: &pane.picture,
-                subject: shape,
+                scene: shape.scene(),
+                problem: shape.problem(),
                 area: response.rect,
                 caption: captions(title(shape.pin), shape.scene()),
                 envelope: &[],
@@ -121,7 +123,8 @@ impl Viewport {
         let cell = Cell {
             number: CURRENT,
             picture: &self.picture,
-            subject: session,
+            scene: session.scene(),
+            problem: Subject::problem(session),
             area: own_area,
             caption: captions(title, session.scene()),
             envelope,
@@ -165,21 +168,20 @@ impl Viewport {
     fn draw_cell(
         &self,
         ui: &Ui,
-        cell: &Cell<'_, impl Subject>,
+        cell: &Cell<'_>,
         Common { colours, numbers, shown }: &Common<'_>,
     ) -> Section {
-        let &Cell { number, picture, subject, area, ref caption, envelope } = cell;
+        let &Cell { number, picture, scene, problem, area, ref caption, envelope } = cell;
         let painter = ui.painter_at(area);
         overlay::background(ui, &painter, area);
         let table = colours_of(&self.common_table, colours, picture);
-        let (numbers, problem) = (Arc::clone(numbers), subject.problem());
-        let drawn = Drawn::of(number, numbers, picture, table, problem, shown.options);
+        let drawn = Drawn::of(number, Arc::clone(numbers), picture, table, problem, shown.options);
         let section = drawn.section;
         self.draw(ui, &painter, area, drawn);
-        self.draw_envelope(ui, &painter, area, (subject, section), envelope);
+        self.draw_envelope(ui, &painter, area, (scene, section), envelope);
         overlay::caption(ui, &painter, area, caption);
         if let (Colours::Own(None), Some(scale)) = (colours, &picture.scale) {
-            let scale = of_legend(scale, subject.scene(), shown.practices);
+            let scale = of_legend(scale, scene, shown.practices);
             legend::strip(ui, &painter, area.with_min_y(area.top() + overlay::CAPTION), &scale);
         }
         section
