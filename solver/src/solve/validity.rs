@@ -174,7 +174,7 @@ mod tests {
                 assert_eq!(layered(&penetrated), Some(Invalid::Penetrated));
                 // Between the depths of both.
                 for k in [0, 1, n, n + 1] {
-                    penetrated[middle + k].z = 0.93 * valid[middle + k].z;
+                    penetrated[middle + k].z = valid[middle + k].z - 3.0;
                 }
                 assert_eq!(invalid_of(&penetrated, 0), Some(Invalid::Penetrated));
                 assert_eq!(layered(&penetrated), None);
