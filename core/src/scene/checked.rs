@@ -2,7 +2,6 @@
 
 use super::{Scene, SceneError, read};
 use crate::contact::{Dome, Obstacle};
-use crate::curve::Curve;
 use crate::mesh::{
     Chest, NaturalStretch, Patch, Rest, Sheet, ThicknessField, rounded_nodes_per_side,
 };
@@ -65,9 +64,7 @@ impl CheckedScene {
             return Ok(Self { scene, materials, wall, thickness, natural });
         }
         let material = |(k, layer): (usize, &super::Layer)| {
-            let curve = Curve::scaled(&layer.curve)
-                .map_err(|source| SceneError::Curve { layer: k, source })?;
-            Ok(Material::new(curve, layer.poisson_ratio, layer.thickness_mm))
+            layer.material().map_err(|source| SceneError::Curve { layer: k, source })
         };
         let materials =
             scene.layers.iter().enumerate().map(material).collect::<Result<Arc<[_]>, _>>()?;

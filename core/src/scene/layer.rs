@@ -1,7 +1,8 @@
 //! One layer of tissue, and its format in a file.
 
 use super::Scene;
-use crate::curve::{Curve, CurveSpec, Fat, GivenCurve, ScaledCurve, given, present};
+use crate::curve::{Curve, CurveError, CurveSpec, Fat, GivenCurve, ScaledCurve, given, present};
+use crate::springs::Material;
 use crate::tensile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -77,6 +78,11 @@ pub(super) fn default_layers() -> Vec<Layer> {
 }
 
 impl Layer {
+    /// The material of a valid curve.
+    pub(super) fn material(&self) -> Result<Material, CurveError> {
+        Ok(Material::new(Curve::scaled(&self.curve)?, self.poisson_ratio, self.thickness_mm))
+    }
+
     /// Skin, 1.5 mm, ν = 0.45.
     #[must_use]
     pub fn skin() -> Self {

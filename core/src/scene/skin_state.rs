@@ -1,8 +1,8 @@
 //! The state of the skin: its natural tension at rest, and what has relaxed of the tension above it.
 
-use super::{Field, Scene, SceneError, TissueModel, out_of_range};
+use super::{Field, Layer, Scene, SceneError, TissueModel, out_of_range};
 use crate::clinical::When;
-use crate::curve::{Curve, number, present};
+use crate::curve::{number, present};
 use crate::mesh::NaturalStretch;
 use crate::springs::Material;
 use crate::springs::coupled::equivalent_strain;
@@ -143,10 +143,9 @@ impl SkinState {
 impl Scene {
     /// Lowers a natural tension that the skin does not bear to the greatest one that it does.
     pub(crate) fn lower_tension(&mut self) {
-        let Some(skin) = self.layers.first() else { return };
-        let (state, curve) = (&mut self.body.skin_state, Curve::scaled(&skin.curve));
-        let Ok(curve) = curve else { return };
-        let skin = Material::new(curve, skin.poisson_ratio, skin.thickness_mm);
+        let state = &mut self.body.skin_state;
+        let skin = self.layers.first().filter(|_| !state.is_none());
+        let Some(Ok(skin)) = skin.map(Layer::material) else { return };
         if state.stretches(&skin, state.natural_tension_n_per_m).is_none() {
             state.natural_tension_n_per_m = state.greatest(&skin);
         }

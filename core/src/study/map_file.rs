@@ -128,8 +128,9 @@ impl Map {
                     .to_owned(),
             );
         }
+        let counts = self.counts();
         if self.is_sampled() {
-            let is_whole = self.counts().into_iter().all(|(s, _)| s != PointStatus::Waiting);
+            let is_whole = counts.iter().all(|(s, _)| *s != PointStatus::Waiting);
             notes.push(format!(
                 "{} of {} points are solved, {}.",
                 self.scenes_solved() - self.solved_in_full(),
@@ -147,7 +148,7 @@ impl Map {
                 "{in_full} points at the border of no answer are solved as `simulate` does."
             ));
         }
-        let counts = self.counts().into_iter().filter(|(s, _)| *s != PointStatus::Converged);
+        let counts = counts.into_iter().filter(|(s, _)| *s != PointStatus::Converged);
         let missing: Vec<String> =
             counts.map(|(status, count)| format!("{count} {}", status.word())).collect();
         if !missing.is_empty() {
