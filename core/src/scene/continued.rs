@@ -14,7 +14,9 @@ use glam::DVec2;
 use std::f64::consts::TAU;
 
 /// Lengths ℓ of the blend, tried in this order \[mm\].
-const LENGTHS_MM: [f64; 6] = [5.0, 8.0, 12.0, 18.0, 27.0, 40.0];
+const LENGTHS_MM: [f64; 6] = [5.0, 8.0, 12.0, 18.0, 27.0, LONGEST_MM];
+/// The length within the data, where a hole has no free edge \[mm\].
+const LONGEST_MM: f64 = 40.0;
 /// Least radius of a hollow of the continuation at the nodes, by the heights, and of the quadric \[thicknesses of the tissue\]; a scene
 /// allows 1.25, by the wall's curvature.
 const HOLLOWS: (f64, f64) = (2.5, 3.0);
@@ -184,12 +186,14 @@ impl Continuation {
         let apart = self.heights.iter().zip(&smooth);
         let mut apart: Vec<f64> =
             apart.map(|(height, smooth)| height.map_or(0.0, |height| height - smooth)).collect();
-        let plate = Plate { counts: self.counts, tension: (self.spacing_mm / length_mm).powi(2) };
-        plate.fill(&mut apart, &is_open);
+        let plate = |length_mm: f64| {
+            let tension = (self.spacing_mm / length_mm).powi(2);
+            Plate { counts: self.counts, tension }
+        };
+        plate(length_mm).fill(&mut apart, &is_open);
         let enclosed = self.open().enclosed();
-        if length_mm < LENGTHS_MM[LENGTHS_MM.len() - 1] && enclosed.contains(&true) {
-            let tension = (self.spacing_mm / LENGTHS_MM[LENGTHS_MM.len() - 1]).powi(2);
-            Plate { counts: self.counts, tension }.fill(&mut apart, &enclosed);
+        if length_mm < LONGEST_MM && enclosed.contains(&true) {
+            plate(LONGEST_MM).fill(&mut apart, &enclosed);
         }
         let filled = apart.iter().zip(&smooth).map(|(apart, smooth)| smooth + apart);
         self.heights.iter().zip(filled).map(|(height, filled)| height.unwrap_or(filled)).collect()

@@ -28,14 +28,8 @@ impl Each {
 }
 
 impl Queued for Each {
-    const HAS_PROFILE: bool = false;
-
     fn queue(&self) -> &Queue {
         &self.queue
-    }
-
-    fn scenes_per_job(&self) -> usize {
-        1
     }
 
     fn queue_mut(&mut self) -> &mut Queue {

@@ -1,8 +1,8 @@
 //! The check of a map: some of its points on a finer grid.
 
-use super::Quantity;
 use super::map::{CHECK, Map};
 use super::queue::{Queue, Queued};
+use super::{Each, Quantity};
 use crate::scene::Scene;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -25,8 +25,8 @@ impl Map {
         let (is, js) = (spaced(columns, parts), spaced(rows, parts));
         let points: Vec<(usize, usize)> =
             is.iter().flat_map(|&i| js.iter().map(move |&j| (i, j))).collect();
-        let scenes: Vec<_> = points.iter().map(|&(i, j)| self.scene_with(i, j, CHECK)).collect();
-        Some(MapCheck { queue: Queue::new((0..points.len()).collect()), points, scenes })
+        let scenes = points.iter().map(|&(i, j)| self.scene_with(i, j, CHECK)).collect();
+        Some(MapCheck { points, each: Each::new(scenes) })
     }
 
     /// The greatest difference of each quantity between this map and its solved check.
@@ -34,7 +34,7 @@ impl Map {
     pub fn differences(&self, check: &MapCheck) -> Vec<Difference> {
         let of = |quantity: Quantity| {
             let pairs = check.points.iter().enumerate().filter_map(|(k, &(i, j))| {
-                let fine = check.queue.case(k).filter(|case| case.is_converged())?;
+                let fine = check.each.case(k).filter(|case| case.is_converged())?;
                 let (map, fine) = (self.value(quantity, i, j)?, fine.values.get(quantity)?);
                 let at = self.axes.iter().zip([i, j]).map(|(axis, k)| axis.value(k)).collect();
                 Some(Difference { quantity, difference: (map - fine).abs(), map, fine, at })
@@ -49,37 +49,30 @@ impl Map {
 #[derive(Debug)]
 pub struct MapCheck {
     points: Vec<(usize, usize)>,
-    scenes: Vec<Result<Scene, String>>,
-    queue: Queue,
+    each: Each,
 }
 
 impl MapCheck {
     /// Number of points, and of those that converged.
     #[must_use]
     pub fn counts(&self) -> (usize, usize) {
-        let converged = self.queue.cases().iter().flatten().filter(|case| case.is_converged());
+        let converged =
+            self.each.queue().cases().iter().flatten().filter(|case| case.is_converged());
         (self.points.len(), converged.count())
     }
 }
 
 impl Queued for MapCheck {
-    const HAS_PROFILE: bool = false;
-
     fn queue(&self) -> &Queue {
-        &self.queue
-    }
-
-    fn scenes_per_job(&self) -> usize {
-        // The points take long and have different grids.
-        1
+        self.each.queue()
     }
 
     fn queue_mut(&mut self) -> &mut Queue {
-        &mut self.queue
+        self.each.queue_mut()
     }
 
     fn scene_of(&self, item: usize) -> Result<Scene, String> {
-        self.scenes[item].clone()
+        self.each.scene_of(item)
     }
 }
 

@@ -144,13 +144,15 @@ impl Queue {
 /// A study whose items are the numbers of its scenes.
 pub(super) trait Queued {
     /// Do the cases contain the profile of the skin?
-    const HAS_PROFILE: bool;
+    const HAS_PROFILE: bool = false;
 
     /// The items on their way.
     fn queue(&self) -> &Queue;
 
-    /// Greatest number of scenes in a job.
-    fn scenes_per_job(&self) -> usize;
+    /// Greatest number of scenes in a job; one where scenes take long or have different grids.
+    fn scenes_per_job(&self) -> usize {
+        1
+    }
 
     /// [`Self::queue`].
     fn queue_mut(&mut self) -> &mut Queue;

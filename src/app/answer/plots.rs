@@ -393,9 +393,10 @@ fn axis_number(mark: GridMark) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::widgets::texts_of;
     use crate::scene::Side;
     use crate::solve::Progress;
-    use eframe::egui::{Pos2, RawInput, Rect, Shape, vec2};
+    use eframe::egui::vec2;
 
     /// The texts of a section of a plan of a side in a broad room.
     fn texts(plane: SectionPlane, side: Side) -> Vec<String> {
@@ -403,23 +404,10 @@ mod tests {
         scene.solver.nodes_per_side = 17;
         let mut session = Session::new(scene).unwrap();
         while session.advance(&mut || false) == Progress::Working {}
-        let (ctx, compare) = (egui::Context::default(), Compare::default());
-        theme::install(&ctx);
-        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(860.0, 260.0)));
-        let input = RawInput { screen_rect, ..RawInput::default() };
-        let run = || {
-            ctx.run_ui(input.clone(), |ui| {
-                section_chart(ui, &session, &compare, (&[], plane), 212.0);
-            })
-        };
-        let mut output = run();
-        output.append(run());
-        output.textures_delta.clear();
-        let text = |clipped: egui::epaint::ClippedShape| match clipped.shape {
-            Shape::Text(text) => Some(text.galley.text().to_owned()),
-            _ => None,
-        };
-        output.shapes.into_iter().filter_map(text).collect()
+        let compare = Compare::default();
+        texts_of(vec2(860.0, 260.0), |ui| {
+            section_chart(ui, &session, &compare, (&[], plane), 212.0);
+        })
     }
 
     #[test]

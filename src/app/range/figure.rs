@@ -79,7 +79,7 @@ mod tests {
     use crate::app::answer::practice::Practices;
     use crate::app::frame::studies::Studies;
     use crate::app::range::AxisChoice;
-    use crate::app::widgets::theme;
+    use crate::app::widgets::texts_of;
     use crate::scene::Scene;
     use crate::session::Command;
     use crate::solve::Progress;
@@ -87,7 +87,7 @@ mod tests {
         Axis, Case, Cases, Finished, Job, Map, MapSettings, Parameter, Runner, Study, evaluate,
         with_values,
     };
-    use eframe::egui::{self, Shape};
+    use eframe::egui;
 
     /// A solved map around a sheet, and a session with a pin beside the plan.
     fn solved() -> (Range, Session) {
@@ -115,19 +115,7 @@ mod tests {
 
     /// The texts of the chart as drawn.
     fn texts(mut chart: ReportChart<'_>) -> Vec<String> {
-        let ctx = egui::Context::default();
-        theme::install(&ctx);
-        let size = egui::vec2(860.0, 400.0);
-        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
-        let input = egui::RawInput { screen_rect: Some(rect), ..egui::RawInput::default() };
-        let mut output = ctx.run_ui(input.clone(), |ui| chart.show(ui));
-        output.append(ctx.run_ui(input, |ui| chart.show(ui)));
-        output.textures_delta.clear();
-        let text = |clipped: egui::epaint::ClippedShape| match clipped.shape {
-            Shape::Text(text) => Some(text.galley.text().to_owned()),
-            _ => None,
-        };
-        output.shapes.into_iter().filter_map(text).collect()
+        texts_of(egui::vec2(860.0, 400.0), |ui| chart.show(ui))
     }
 
     #[test]

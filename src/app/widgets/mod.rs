@@ -231,6 +231,25 @@ pub(super) fn has_number_focus(ctx: &egui::Context) -> bool {
     focused.is_some() && focused == number
 }
 
+/// The texts of what is shown on a screen of this size in its second frame, once sizes are known.
+#[cfg(test)]
+pub(super) fn texts_of(size: egui::Vec2, mut show: impl FnMut(&mut Ui)) -> Vec<String> {
+    use egui::{Pos2, RawInput, Rect, Shape};
+
+    let ctx = egui::Context::default();
+    theme::install(&ctx);
+    let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, size));
+    let input = RawInput { screen_rect, ..RawInput::default() };
+    let mut output = ctx.run_ui(input.clone(), &mut show);
+    output.append(ctx.run_ui(input, show));
+    output.textures_delta.clear();
+    let text = |clipped: egui::epaint::ClippedShape| match clipped.shape {
+        Shape::Text(text) => Some(text.galley.text().to_owned()),
+        _ => None,
+    };
+    output.shapes.into_iter().filter_map(text).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
