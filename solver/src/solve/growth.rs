@@ -6,9 +6,10 @@
 //! slowly: growths are mixed (Anderson acceleration), and solves are rough at first.
 
 use super::fas::Stop;
+use super::initial_guess::taut_profile;
 use super::newton::Start;
 use super::seal::Pull;
-use super::{Solver, Stage, Verdict};
+use super::{Problem, Solver, Stage, Verdict};
 use crate::mesh::{Grown, Rest};
 use crate::model::membrane::triangle::{Principal, Rest as RestTriangle};
 use glam::{DVec2, DVec3};
@@ -45,6 +46,8 @@ const LEAST_STRETCH: f64 = 0.3;
 pub(super) struct Growths {
     /// Number of solves so far.
     solves: u32,
+    /// Has a solve started from a guess of the growth?
+    is_guessed: bool,
     /// Was the last solve rough?
     is_rough: bool,
     /// Doublings of the cycles of a rough solve.
@@ -127,6 +130,28 @@ fn product(a: &[f32], b: &[f32]) -> f64 {
 }
 
 impl Solver {
+    /// After the first attempt failed with skin that has not grown: starts with the growth that a taut profile asks for, since tight skin may have a shape
+    /// only once it has grown. The failure of that attempt takes its growth back; false then, and of skin that does not grow.
+    pub(super) fn starts_grown(&mut self) -> bool {
+        if self.problem.rest.growth() <= 0.0 || self.outer.is_empty() || self.growths.solves > 0 {
+            return false;
+        }
+        let starts = !std::mem::replace(&mut self.growths.is_guessed, true);
+        if !starts && self.problem.rest.grown().is_none() {
+            return false;
+        }
+        self.unseal();
+        let grown = starts.then(|| guessed(&self.problem));
+        let problem = Arc::make_mut(&mut self.problem);
+        problem.rest = problem.rest.clone().with_grown(grown);
+        let stop = self.stop();
+        if let Some(multigrid) = &mut self.multigrid {
+            multigrid.start_grown(&self.problem, &self.law, stop);
+        }
+        self.attempts += u32::from(starts);
+        starts
+    }
+
     /// Ends a solve that has converged, unless the skin is to grow by it.
     pub(super) fn grow_or_end(&mut self) {
         let rest = &self.problem.rest;
@@ -183,6 +208,16 @@ impl Solver {
             }
         }
     }
+}
+
+/// The growth that the taut profile over the implant asks for.
+fn guessed(problem: &Problem) -> Grown {
+    let rest = &problem.rest;
+    let inner = taut_profile(rest, &problem.obstacle.dome);
+    let at_rest = rest.nodes(0).zip(rest.nodes(rest.layers() - 1));
+    let skin: Vec<DVec3> =
+        inner.into_iter().zip(at_rest).map(|(x, (from, to))| x + to - from).collect();
+    asked(rest, &skin)
 }
 
 /// The growth that the stretch of a skin with its nodes at `x` \[mm\], shape (nodes_per_side², ), asks for.

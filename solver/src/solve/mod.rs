@@ -386,7 +386,8 @@ impl Solver {
                     self.grow_or_end();
                 }
             }
-            fas::State::Failed if self.starts_from_nothing() || self.draws_less() => {}
+            fas::State::Failed
+                if self.starts_from_nothing() || self.draws_less() || self.starts_grown() => {}
             fas::State::Failed => {
                 self.attempts += 1;
                 self.keep_shape();

@@ -140,6 +140,14 @@ impl Multigrid {
         }
     }
 
+    /// Starts again with skin that has grown.
+    pub(super) fn start_grown(&mut self, problem: &Problem, law: &Law, stop: Stop) {
+        if let (Self::Layered(scheme), Law::Layered(law)) = (self, law) {
+            scheme.set_model(layered(problem, law));
+            scheme.start_again(&LAYERED, problem, stop);
+        }
+    }
+
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         // An earlier solve may have ended in another attempt.
         match self {

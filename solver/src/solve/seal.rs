@@ -34,6 +34,9 @@ const MOST_FACTOR: f64 = 3.0;
 const CAREFUL_FACTOR: f64 = 1.5;
 /// Least and greatest ratio of slopes across a growth of the skin, which moves the void, too \[-\].
 const SLOPES: [f64; 2] = [0.4, 2.0];
+/// Least step between suctions that a slope across a growth of the skin is learnt from, after a solve to the tolerance and after a rough one
+/// \[suction\]: growth moves the void by more than a shorter step does.
+const LEAST_STEP: [f64; 2] = [0.015, 0.1];
 /// The greatest suction beside one without a solution \[that suction\]: skin that has grown since bears less.
 const MOST_LEFT: f64 = 0.9;
 /// Way to a suction without a solution that is not worth a solve \[that suction\].
@@ -127,20 +130,20 @@ struct Kept {
 }
 
 impl Seal {
-    /// The next suction after one with a void.
-    fn next(&mut self, held: Held) -> f64 {
+    /// Learns the slope from a suction with a void and the one before, which are this far apart at least \[suction\].
+    fn learn(&mut self, held: Held, least_step: f64) {
         let (suction, root) = (held.suction_kpa, held.root());
         if let Some([before, root_before]) = self.last.replace([suction, root]) {
-            let slope = (root - root_before) / (suction - before);
+            let step = suction - before;
+            let slope = (root - root_before) / step;
             // A solve under the same suction, to the tolerance, has no slope.
-            self.slope =
-                Some(slope).filter(|slope| *slope < 0.0 && slope.is_finite()).or(self.slope);
+            let is_slope = slope < 0.0 && slope.is_finite() && step.abs() >= least_step * suction;
+            self.slope = Some(slope).filter(|_| is_slope).or(self.slope);
         }
-        self.by_slope(held)
     }
 
-    /// The same by the slope that is known.
-    fn by_slope(&self, held: Held) -> f64 {
+    /// The next suction after one with a void, by the slope that is known.
+    fn next(&self, held: Held) -> f64 {
         let suction = held.suction_kpa;
         let next = match self.slope {
             Some(slope) => suction + (held.most.sqrt() - held.root()) / slope,
@@ -185,18 +188,19 @@ impl Solver {
         let suction = held.suction_kpa;
         let is_near = |failed: f64| failed - suction < NEAR_FAILED * failed;
         self.seal.is_greatest |= self.seal.failed.is_some_and(is_near);
+        // A void below its limit asks for less.
+        self.seal.is_greatest &= held.volume > held.most;
         if self.seal.is_greatest || self.is_enough(held) {
             return Pull::Enough;
         }
         let Some(slope) = self.seal.slope else { return Pull::Unknown };
-        if !is_rough {
-            self.seal.kept = Some(self.kept_solution(held.volume));
-        }
-        let without = held.root() - slope * suction;
+        self.keep_solution(held.volume, is_rough);
+        self.seal.learn(held, LEAST_STEP[usize::from(is_rough)]);
+        let learnt = self.seal.slope.unwrap_or(slope);
+        let without = held.root() - learnt * suction;
         let next = if without <= held.most.sqrt() { 0.0 } else { self.seal.next(held) };
-        let changed = self.seal.slope.unwrap_or(slope) / slope;
         let [least, most] = SLOPES;
-        self.seal.slope = Some(slope * changed.clamp(least, most));
+        self.seal.slope = Some(slope * (learnt / slope).clamp(least, most));
         self.set_suction(next);
         Pull::Nearer
     }
@@ -231,13 +235,13 @@ impl Solver {
         if self.seal.solves >= MOST_SOLVES {
             return self.end_sealed(if was_rough { Verdict::NotConverged } else { verdict });
         }
-        let own = Some(self.kept_solution(held.volume));
-        if was_rough {
-            self.seal.rough = own;
+        self.keep_solution(held.volume, was_rough);
+        let next = if is_enough {
+            held.suction_kpa
         } else {
-            (self.seal.kept, self.seal.rough) = (own, None);
-        }
-        let next = if is_enough { held.suction_kpa } else { self.seal.next(held) };
+            self.seal.learn(held, 0.0);
+            self.seal.next(held)
+        };
         self.seal.solves += 1;
         let is_far = held.off() > ROUGH * held.tolerance && next < MOST_KPA;
         let is_new = self.seal.failed.is_none() && self.seal.solves <= MOST_ROUGH;
@@ -256,8 +260,9 @@ impl Solver {
         }
     }
 
-    fn kept_solution(&self, volume: f64) -> Kept {
-        Kept {
+    /// Keeps the solution to go back to; one to the tolerance replaces a rough one.
+    fn keep_solution(&mut self, volume: f64, is_rough: bool) {
+        let own = Some(Kept {
             suction_kpa: self.problem.suction_kpa(),
             volume,
             multigrid: self.multigrid.clone().filter(|_| self.stage == Stage::Multigrid),
@@ -265,6 +270,11 @@ impl Solver {
             outer: self.outer.clone(),
             mirrored: self.mirrored,
             modes: self.problem.obstacle.dome.shape.soft().map(SoftHalfBall::modes),
+        });
+        if is_rough {
+            self.seal.rough = own;
+        } else {
+            (self.seal.kept, self.seal.rough) = (own, None);
         }
     }
 
