@@ -229,6 +229,11 @@ fn points_out_of_the_limits_are_marked() {
     assert_eq!(map.status(2, 0), PointStatus::Converged);
     let file = serde_json::to_value(map.file(Quantity::GreatestStrain, None)).unwrap();
     assert_eq!(file["points"][6]["status"], "invalid");
+    assert!(file["points"][6]["source"].is_null());
+    assert_eq!(file["points"][2]["source"], "solved");
+    assert!(!file["notes"].to_string().contains("No point has"));
+    let void = map.file(Quantity::VoidMl, None);
+    assert_eq!(void.notes.last().unwrap(), "No point has a value of void_ml.");
     assert_eq!(file["contours"][0]["level"], 0.25);
 }
 

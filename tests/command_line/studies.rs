@@ -148,6 +148,7 @@ fn bad_maps_and_bands_are_refused_in_one_line() {
         assert_refused(&folder, &arguments, "", wanted);
     };
     bands(&["--samples", "0"], &["'0' for '--samples <N>'", "16 to 16384"]);
+    bands(&["--samples", "-1"], &["'-1' for '--samples <N>'", "16 to 16384"]);
     bands(&["--samples", "1e9"], &["'1e9'", "16 to 16384"]);
     bands(&["--nodes", "x"], &["'x'", "17 to 1025"]);
     bands(&["--seed", "-1"], &["0 to 4294967295"]);

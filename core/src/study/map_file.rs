@@ -177,15 +177,21 @@ impl Map {
             source: bands.get(k).map(|band| band.source),
             lines: self.contours(show, level),
         };
+        let mut notes = self.notes();
+        let counts = self.counts();
+        let has_answers = counts.iter().any(|(status, _)| *status == PointStatus::Converged);
+        if has_answers && self.range(show).is_none() {
+            notes.push(format!("No point has a value of {}.", show.name()));
+        }
         MapFile {
             schema: MAP_SCHEMA,
-            notes: self.notes(),
+            notes,
             scene: self.base().clone(),
             grid: self.settings(),
             axes: self.axes().iter().enumerate().map(axis).collect(),
             show,
             unit: show.unit(),
-            counts: self.counts().into_iter().map(|(s, count)| (s.word(), count)).collect(),
+            counts: counts.into_iter().map(|(s, count)| (s.word(), count)).collect(),
             evaluations: self.cases().iter().flatten().map(|case| case.evaluations).sum(),
             scenes_solved: self.scenes_solved(),
             points: self.points(),

@@ -158,11 +158,11 @@ impl Map {
         self.sample.is_wanted
     }
 
-    /// Where the values of a point come from; `None` of a point about which nothing is known yet.
+    /// Where the values of a point come from; `None` of a point about which nothing is known yet, and of one out of the limits.
     #[must_use]
     pub fn source(&self, i: usize, j: usize) -> Option<Source> {
         match self.case(i, j) {
-            Some(_) => Some(Source::Solved),
+            Some(case) => case.status.map(|_| Source::Solved),
             None if self.status(i, j) != PointStatus::Waiting => Some(Source::Interpolated),
             None => None,
         }

@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, value_name = "left|right")]
     side: SideName,
     /// Thickness of the tissue beside the breast in mm, half a pinch: 6 to 30.
-    #[arg(long, default_value = "10", value_name = "MM", value_parser = cover)]
+    #[arg(long, default_value = "10", value_name = "MM", value_parser = cover, allow_negative_numbers = true)]
     cover: f64,
     /// Unit of mesh and marks; `auto`: by the extent of the mesh.
     #[arg(long, value_enum, default_value_t = UnitName::Auto, value_name = "auto|mm|cm|m")]

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 pub(super) struct ThreadCount {
     /// Number of threads, 1 to 1024. Default: the cores; under a scheduler (Slurm, GNU parallel, OMP_NUM_THREADS) those of the
     /// task.
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Maximum nodes per side, 17 to 513.
-    #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true, allow_negative_numbers = true)]
     most_nodes: usize,
     /// The tissue model of the random scenes.
     #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
@@ -33,13 +33,13 @@ pub(super) struct Arguments {
     #[arg(long, conflicts_with_all = ["tissue_model", "most_nodes"])]
     clinical: bool,
     /// Clinical population: nodes per side.
-    #[arg(long, value_name = "N", default_value_t = 65, value_parser = most_nodes, requires = "clinical")]
+    #[arg(long, value_name = "N", default_value_t = 65, value_parser = most_nodes, allow_negative_numbers = true, requires = "clinical")]
     nodes: usize,
     /// Clinical population: Poisson ratio of the fat, 0 to 0.5.
-    #[arg(long, value_name = "NU", default_value_t = 0.49, value_parser = poisson_ratio, requires = "clinical")]
+    #[arg(long, value_name = "NU", default_value_t = 0.49, value_parser = poisson_ratio, allow_negative_numbers = true, requires = "clinical")]
     fat_poisson_ratio: f64,
     /// Clinical population: rate of an exponential, 0.001 to 100, in place of the curve `fat`.
-    #[arg(long, value_name = "RATE", value_parser = rate, requires = "clinical")]
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_negative_numbers = true, requires = "clinical")]
     fat_rate: Option<f64>,
     /// Layered tissue and clinical population: every scene has a curved chest, half of them an implant that is anatomical or off
     /// centre, half of them a mound of thickness, half of them an implant of another fullness.

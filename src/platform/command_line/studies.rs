@@ -30,7 +30,7 @@ pub(super) struct MapArguments {
     #[arg(long, value_name = "QUANTITY", default_value = "greatest_strain", value_parser = quantity)]
     show: Quantity,
     /// Nodes per side of the points.
-    #[arg(long, value_name = "N", default_value_t = MapSettings::default().nodes_per_side, value_parser = nodes)]
+    #[arg(long, value_name = "N", default_value_t = MapSettings::default().nodes_per_side, value_parser = nodes, allow_negative_numbers = true)]
     nodes: usize,
     /// Solve every point; without --all up to 70, and the others are interpolated.
     #[arg(long)]
@@ -54,16 +54,16 @@ pub(super) struct BandsArguments {
     #[arg(value_name = "SCENE.json")]
     scene: PathBuf,
     /// Number of samples, 16 to 16384.
-    #[arg(long, value_name = "N", value_parser = samples)]
+    #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<usize>,
     /// Seed; equal seeds give equal samples on every machine.
     #[arg(long, value_name = "S", value_parser = seed, allow_negative_numbers = true)]
     seed: Option<u32>,
     /// Rows of the importance, 0 (no importance) or 16 to the number of samples.
-    #[arg(long, value_name = "N", value_parser = rows)]
+    #[arg(long, value_name = "N", value_parser = rows, allow_negative_numbers = true)]
     importance: Option<usize>,
     /// Nodes per side of the samples; default: 65 of a sheet, 33 of layered tissue.
-    #[arg(long, value_name = "N", value_parser = nodes)]
+    #[arg(long, value_name = "N", value_parser = nodes, allow_negative_numbers = true)]
     nodes: Option<usize>,
     /// An unknown that does not vary; may be given several times.
     #[arg(long, value_name = "NAME", value_parser = unknown)]
@@ -196,16 +196,17 @@ pub(super) fn map(arguments: &MapArguments) -> Result<ExitStatus, InputError> {
     if let Some(check) = &file.check {
         let (factor, unit) = show.display();
         let shown = check.differences.iter().find(|difference| difference.quantity == show);
-        lines.push(match shown {
-            Some(found) => format!(
+        lines.extend(match shown {
+            Some(found) => Some(format!(
                 "{} of {} checked points converged at {} nodes per side; greatest difference of the {}: {} {unit}.",
                 check.converged,
                 check.points,
                 check.grid.nodes_per_side,
                 show.label(),
                 number((found.difference * factor * 1e3).round() / 1e3)
-            ),
-            None => "No checked point converged on both grids.".to_owned(),
+            )),
+            None => (check.converged == 0)
+                .then(|| "No checked point converged on both grids.".to_owned()),
         });
     }
     let json =

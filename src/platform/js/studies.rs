@@ -6,7 +6,7 @@ use crate::platform::text::text;
 use crate::platform::workers::{Runner, Workers, object, runner};
 use crate::scene::{Scene, read};
 use crate::study::{
-    Bands, BandsSettings, Cases, Map, MapOptions, PointFile, Runner as _, Study, Times,
+    Bands, BandsSettings, Cases, Map, MapOptions, PointFile, PointStatus, Runner as _, Study, Times,
 };
 use js_sys::Function;
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ pub fn map(
     let report = move |map: &Map| {
         for (k, is_reported) in is_reported.iter_mut().enumerate() {
             let (i, j) = (k % columns, k / columns);
-            if !*is_reported && map.source(i, j).is_some() {
+            if !*is_reported && map.status(i, j) != PointStatus::Waiting {
                 *is_reported = true;
                 let point = Point { i, j, point: map.point(i, j) };
                 on_point.call1(&JsValue::NULL, &json(&point))?;
