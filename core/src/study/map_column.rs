@@ -105,6 +105,35 @@ impl Column {
     }
 }
 
+/// Number of points near a place.
+const NEAREST: usize = 4;
+/// Distance up to which points are equally near \[half the length of an axis\].
+const SAME: f64 = 1e-3;
+
+/// The points nearest to a place, with weights by their nearness.
+pub(super) struct Nearest([(usize, f64); NEAREST]);
+
+impl Nearest {
+    pub(super) fn of([x, y]: [f64; 2], points: &[[f64; 2]]) -> Self {
+        let mut nearest = [(0, f64::INFINITY); NEAREST];
+        for (k, [a, b]) in points.iter().enumerate() {
+            let distance = (a - x).hypot(b - y);
+            let place = nearest.partition_point(|(_, known)| *known <= distance);
+            if place < NEAREST {
+                nearest[place..].rotate_right(1);
+                nearest[place] = (k, distance);
+            }
+        }
+        Self(nearest.map(|(k, distance)| (k, 1.0 / (distance + SAME))))
+    }
+
+    /// The weighted mean of the values of these points.
+    pub(super) fn mean(&self, values: &[f64]) -> f64 {
+        let sum: f64 = self.0.iter().map(|(k, weight)| weight * values[*k]).sum();
+        sum / self.0.iter().map(|(_, weight)| weight).sum::<f64>()
+    }
+}
+
 /// The upper of both middle values; 0 of none.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);

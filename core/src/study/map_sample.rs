@@ -5,7 +5,7 @@
 //! are solved too, those farthest from solved ones first, which halves the way between a point with and one without an answer. A round
 //! begins once all points of the one before are solved, so that the points do not depend on the number of threads.
 
-use super::map_column::{Column, Series, median};
+use super::map_column::{Column, Nearest, Series, median};
 use super::surface::{LESS_SMOOTH, SMOOTH, Surface};
 use super::{Case, Map, PointStatus, Quantity};
 use schemars::JsonSchema;
@@ -30,9 +30,10 @@ const HOLE: f64 = 0.3;
 const AROUND: f64 = 0.05;
 /// Share of the aim below which no point is solved for a difference of both functions: the aim holds at every point.
 const ENOUGH: f64 = 0.5;
-/// The error of a value: so many times the difference of both functions, and this part of what points left out are missed by (median).
+/// The error of a value: so many times the difference of both functions, and these parts of what points left out are missed by (the median, and
+/// the mean of those nearest).
 const DIFFERENCES: f64 = 3.0;
-const LEFT_OUT: f64 = 2.0;
+const LEFT_OUT: [f64; 2] = [2.0, 0.5];
 /// Error up to which a chart shows a value as known \[aim of the quantity\].
 const KNOWN: f64 = 4.0;
 /// The aim of quantities that choose no points: those of a few nodes, or of the geometry.
@@ -305,11 +306,11 @@ impl Map {
             };
             let columns: Vec<Column> =
                 together.iter().map(|series| Column::new(*series, own(series))).collect();
-            let points = || items.iter().map(|item| places[*item]).collect::<Vec<_>>();
+            let points: Vec<[f64; 2]> = items.iter().map(|item| places[*item]).collect();
             let known = (0..items.len()).flat_map(|k| columns.iter().map(move |of| of.fitted(k)));
             let known: Vec<f64> = known.collect();
             let is_plane = self.axes().len() > 1;
-            let through = |how| Surface::through(points(), &known, is_plane, how);
+            let through = |how| Surface::through(points.clone(), &known, is_plane, how);
             let Some((smooth, other)) = through(SMOOTH).zip(through(LESS_SMOOTH)) else {
                 if together.iter().any(|series| series.quantity == Quantity::GreatestStrain) {
                     return None;
@@ -317,6 +318,7 @@ impl Map {
                 continue;
             };
             let [found, compared] = [&smooth, &other].map(|of| of.at(places.iter().copied()));
+            let nearest: Vec<Nearest> = places.iter().map(|at| Nearest::of(*at, &points)).collect();
             for (k, column) in columns.iter().enumerate() {
                 let of = |all: &[f64]| -> Vec<f64> {
                     let of_column = all.iter().skip(k).step_by(columns.len());
@@ -327,7 +329,9 @@ impl Map {
                 let differences =
                     differences.map(|(a, b)| (a - b).abs() / column.scale(*a)).collect();
                 let missed = column.left_out(smooth.left_out(k));
-                let floor = LEFT_OUT * median(missed);
+                let [of_median, of_nearest] = LEFT_OUT;
+                let least = of_median * median(missed.clone());
+                let beside = |item: usize| of_nearest * nearest[item].mean(&missed);
                 for (item, difference) in self.spread(differences).into_iter().enumerate() {
                     // An answer is expected here, with this quantity.
                     let is_beside = near[item].is_some_and(|near| {
@@ -342,7 +346,7 @@ impl Map {
                     let (value, scale) = (found[item], column.scale(found[item]));
                     // Of two values the greater one; the other one may reach as far.
                     let (known, reach) = (values[at], values[at] + errors[at]);
-                    let reach = reach.max(value + (part + floor) * scale);
+                    let reach = reach.max(value + (part + least + beside(item)) * scale);
                     if known.is_nan() || known < value {
                         (values[at], scales[at]) = (value, scale);
                     }
