@@ -1,8 +1,9 @@
 //! A case of the references of layered tissue as the input of the axisymmetric solver.
 
 use implant_preview::curve::{Curve, ScaledCurve};
+use implant_preview::mesh::Attachment;
 use implant_preview::springs::Material;
-use implant_preview_lab::axisymmetric_layers::{Attachment, Input, RestShape};
+use implant_preview_lab::axisymmetric_layers::{Input, RestShape};
 use serde_json::{Value, json};
 
 pub(crate) fn number(of: &Value, name: &str) -> f64 {

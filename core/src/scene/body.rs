@@ -1,7 +1,7 @@
 //! What a scene of layered tissue adds: the tissue model, the patch around the pocket, its attachment to the wall.
 
 use super::{Field, Plane, Posture, Scene, SceneError, SkinState, field, limits, out_of_range};
-use crate::curve::{Curve, present, whole_of};
+use crate::curve::{Curve, whole_of};
 use crate::mesh::{Attachment, Edge, Patch, balanced_cells};
 use crate::springs::Springs;
 use schemars::JsonSchema;
@@ -26,7 +26,7 @@ pub struct Body {
     /// Radius of the simulated tissue \[mm\]; its edge is clamped.
     pub patch_radius_mm: f64,
     /// What holds the inner face beyond the pocket.
-    pub attachment: AttachmentSettings,
+    pub attachment: Attachment,
     /// The tension of the skin at rest.
     #[serde(skip_serializing_if = "is_default")]
     pub skin_state: SkinState,
@@ -46,24 +46,6 @@ pub struct Body {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
-}
-
-/// Springs between the inner face beyond the pocket and the wall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
-pub struct AttachmentSettings {
-    /// Stiffness per area \[kPa/mm\], 0.1 to 50.
-    #[serde(deserialize_with = "present")]
-    pub stiffness_kpa_per_mm: f64,
-    /// Width over which the stiffness rises from zero at the pocket's edge \[mm\], 1 to 40.
-    #[serde(deserialize_with = "present")]
-    pub ramp_mm: f64,
-}
-
-impl Default for AttachmentSettings {
-    fn default() -> Self {
-        Self { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 }
-    }
 }
 
 /// Cells through the thickness of the solid layers.
@@ -140,7 +122,7 @@ impl Body {
         Self {
             tissue_model,
             patch_radius_mm: (pocket_radius_mm + MARGIN_MM).min(limits::PATCH_RADIUS_MAX_MM),
-            attachment: AttachmentSettings::default(),
+            attachment: Attachment::default(),
             skin_state: SkinState::default(),
             plane: None,
             pocket_lowered_mm: 0.0,
@@ -158,12 +140,11 @@ impl Body {
 
     /// The patch of layered tissue.
     pub(super) fn patch(&self, pocket_radius_mm: f64) -> Patch {
-        let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = self.attachment;
         Patch {
             radius_mm: self.patch_radius_mm,
             pocket_radius_mm,
             pocket_lowered_mm: self.pocket_lowered_mm,
-            edge: Edge::Attached(Attachment { stiffness_kpa_per_mm, ramp_mm }),
+            edge: Edge::Attached(self.attachment),
         }
     }
 }

@@ -13,9 +13,8 @@ use crate::mesh::{Chest, HeightGrid};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// Lengths ℓ of the blend, tried in this order \[mm\].
+/// Lengths ℓ of the blend, tried in this order, and the one within holes of the data \[mm\].
 const LENGTHS_MM: [f64; 6] = [5.0, 8.0, 12.0, 18.0, 27.0, LONGEST_MM];
-/// The length within the data, where a hole has no free edge \[mm\].
 const LONGEST_MM: f64 = 40.0;
 /// Least radius of a hollow of the continuation at the nodes, by the heights, and of the quadric \[thicknesses of the tissue\]; a scene
 /// allows 1.25, by the wall's curvature.
@@ -158,11 +157,10 @@ impl Continuation {
             let heights = self.continued(length);
             let found = Chest::Grid(HeightGrid::new(self.spacing_mm, self.counts, heights)?);
             let fits = |place: &DVec2| bend(&found, *place) * HOLLOWS.0 * tissue_mm(*place) <= 1.0;
-            let is_smooth = open.iter().all(fits);
-            wall = Some(found);
-            if is_smooth {
-                break;
+            if open.iter().all(fits) {
+                return Some(found);
             }
+            wall = Some(found);
         }
         wall
     }

@@ -6,12 +6,13 @@ use super::layer::{LayerFile, default_layers};
 use super::patient::PatientFile;
 use super::plane::{Muscle, PlaneFile};
 use super::{
-    AttachmentSettings, Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer,
-    Patient, Placement, Posture, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings,
-    ThicknessGrid, TissueModel, Torso, Visit, limits, one_line, patient, pins, problem, torso,
+    Body, CheckedScene, ChestGrid, ChestShape, HeightsGrid, Implant, Layer, Patient, Placement,
+    Posture, SCENE_SCHEMA, SceneError, Side, SkinState, SolverSettings, ThicknessGrid, TissueModel,
+    Torso, Visit, limits, one_line, patient, pins, problem, torso,
 };
 use crate::clinical::When;
 use crate::curve::{List, given, given_object, object, present, present_object};
+use crate::mesh::Attachment;
 use crate::springs::Springs;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, IgnoredAny};
@@ -156,7 +157,7 @@ pub(super) struct SceneFile {
     #[schemars(with = "f64")]
     pub(super) patch_radius_mm: Option<f64>,
     #[serde(default, deserialize_with = "given_object")]
-    pub(super) attachment: Option<AttachmentSettings>,
+    pub(super) attachment: Option<Attachment>,
     /// Of layered tissue: tension of the skin at rest. Default: none.
     #[serde(default, deserialize_with = "given_object")]
     pub(super) skin_state: Option<SkinState>,

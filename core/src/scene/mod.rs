@@ -46,7 +46,7 @@ use crate::clinical::Size;
 use crate::curve::{given, number, present, present_whole};
 use crate::solve::Problem;
 pub use crate::springs::Springs;
-pub use body::{AttachmentSettings, Body, CellsThrough, TissueModel};
+pub use body::{Body, CellsThrough, TissueModel};
 pub use checked::CheckedScene;
 pub use chest::ChestShape;
 pub use chest_grid::{ChestGrid, HeightsGrid};

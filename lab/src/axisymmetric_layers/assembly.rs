@@ -6,10 +6,11 @@
 //! Uses `springs`, `banded`, `element`, `law`, `wall`. Used by `newton`, `mod`.
 
 use super::banded::Banded;
-use super::element::{Attachment, Quadrilateral, Skin, SkinRing};
+use super::element::{Quadrilateral, Skin, SkinRing, attached_ring};
 use super::law::SolidLaw;
 use super::suction::Suction;
 use super::wall::RestShape;
+use implant_preview_core::mesh::Attachment;
 use implant_preview_core::springs::Material;
 
 /// Fraction of the cells within the pocket, relative to the pocket's fraction of the patch radius \[-\]. A column of
@@ -81,7 +82,8 @@ impl Tissue {
             Quadrilateral::new([point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)])
         };
         let cells = (0..columns).flat_map(|i| (0..top).map(move |j| cell(i, j)));
-        let attached = |i: usize| attachment.ring([radii[i], radii[i + 1]], pocket_radius_mm, wall);
+        let attached =
+            |i: usize| attached_ring(attachment, [radii[i], radii[i + 1]], pocket_radius_mm, wall);
         let ring =
             |i: usize| SkinRing::new([point(i, top), point(i + 1, top)], 1.0 + natural_strain);
         let mut tissue = Self {

@@ -5,6 +5,7 @@
 
 use super::law::SolidLaw;
 use super::wall::Wall;
+use implant_preview_core::mesh::Attachment;
 use implant_preview_core::springs::Material;
 use implant_preview_core::springs::coupled::{
     PrincipalResponse, principal_response, relaxed_response,
@@ -318,48 +319,34 @@ impl SkinRing {
     }
 }
 
-/// Elastic attachment of the inner face to its place at rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Attachment {
-    /// Stiffness per area beyond the ramp \[kPa/mm\].
-    pub stiffness_kpa_per_mm: f64,
-    /// Width over which the stiffness rises linearly from zero at the pocket's radius \[mm\].
-    pub ramp_mm: f64,
-}
-
-impl Attachment {
-    /// Stiffness per area \[kPa/mm\] at a material radius.
-    fn at(&self, radius_mm: f64, pocket_radius_mm: f64) -> f64 {
+/// ∫ k N_a N_b 2πR ds \[kPa·mm\] of an attachment over the ring of material radii s₀ … s₁ on the wall as \[M₀₀, M₀₁, M₁₁\]: k rises linearly
+/// from zero at the pocket's radius; quadrature of order five on every part between the ramp's ends, exact on the plane.
+pub(super) fn attached_ring(
+    Attachment { stiffness_kpa_per_mm, ramp_mm }: Attachment,
+    [inner, outer]: [f64; 2],
+    pocket_radius_mm: f64,
+    wall: Wall,
+) -> [f64; 3] {
+    let stiffness = |radius_mm: f64| {
         let over = radius_mm - pocket_radius_mm;
-        let share = if over >= self.ramp_mm { 1.0 } else { (over / self.ramp_mm).max(0.0) };
-        self.stiffness_kpa_per_mm * share
-    }
-
-    /// ∫ k N_a N_b 2πR ds \[kPa·mm\] over the ring of material radii s₀ … s₁ on the wall as \[M₀₀, M₀₁, M₁₁\]: quadrature of order five
-    /// on every part between the ramp's ends, exact on the plane.
-    pub(super) fn ring(
-        &self,
-        [inner, outer]: [f64; 2],
-        pocket_radius_mm: f64,
-        wall: Wall,
-    ) -> [f64; 3] {
-        let cuts = [inner, pocket_radius_mm, pocket_radius_mm + self.ramp_mm, outer]
-            .map(|r| r.clamp(inner, outer));
-        let mut sum = [0.0; 3];
-        for part in cuts.windows(2) {
-            let half = 0.5 * (part[1] - part[0]);
-            for (xi, weight) in GAUSS_3 {
-                let radius = 0.5 * (part[0] + part[1]) + xi * half;
-                let share = (radius - inner) / (outer - inner);
-                let around = 2.0 * PI * wall.point(radius, 0.0)[0];
-                let k = self.at(radius, pocket_radius_mm) * around * weight * half;
-                sum[0] += k * (1.0 - share) * (1.0 - share);
-                sum[1] += k * (1.0 - share) * share;
-                sum[2] += k * share * share;
-            }
+        stiffness_kpa_per_mm * if over >= ramp_mm { 1.0 } else { (over / ramp_mm).max(0.0) }
+    };
+    let cuts = [inner, pocket_radius_mm, pocket_radius_mm + ramp_mm, outer];
+    let cuts = cuts.map(|r| r.clamp(inner, outer));
+    let mut sum = [0.0; 3];
+    for part in cuts.windows(2) {
+        let half = 0.5 * (part[1] - part[0]);
+        for (xi, weight) in GAUSS_3 {
+            let radius = 0.5 * (part[0] + part[1]) + xi * half;
+            let share = (radius - inner) / (outer - inner);
+            let around = 2.0 * PI * wall.point(radius, 0.0)[0];
+            let k = stiffness(radius) * around * weight * half;
+            sum[0] += k * (1.0 - share) * (1.0 - share);
+            sum[1] += k * (1.0 - share) * share;
+            sum[2] += k * share * share;
         }
-        sum
     }
+    sum
 }
 
 #[cfg(test)]
@@ -448,12 +435,12 @@ mod tests {
 
     #[test]
     fn the_attachment_of_a_ring_is_exact() {
-        let attachment = Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 };
+        let attachment = Attachment::default();
         // Rings that contain both ends of the ramp; the sum over the shape functions is ∫ k 2πR dR.
         let total: f64 = (0..5)
             .map(|k| {
                 let ring = [20.0 * f64::from(k), 20.0 * f64::from(k + 1)];
-                let [a, b, c] = attachment.ring(ring, 70.0, Wall::default());
+                let [a, b, c] = attached_ring(attachment, ring, 70.0, Wall::default());
                 a + 2.0 * b + c
             })
             .sum();

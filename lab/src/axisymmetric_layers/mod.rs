@@ -30,11 +30,11 @@ mod newton;
 mod suction;
 mod wall;
 
-pub use element::Attachment;
 pub use wall::{Mound, RestShape, Wall};
 
 use assembly::Tissue;
 use contact::Section;
+use implant_preview_core::mesh::Attachment;
 use implant_preview_core::scene::Scene;
 use implant_preview_core::solve::Problem;
 use implant_preview_core::springs::Material;
@@ -101,10 +101,7 @@ impl Input {
             insertion: scene.insertion,
             pocket_radius_mm: patch.pocket_radius_mm,
             patch_radius_mm: patch.radius_mm,
-            attachment: Attachment {
-                stiffness_kpa_per_mm: attachment.stiffness_kpa_per_mm,
-                ramp_mm: attachment.ramp_mm,
-            },
+            attachment,
             layers: materials.clone(),
             skin_wrinkles: true,
             void_mm3: problem.void.map(|void| void.most_mm3),

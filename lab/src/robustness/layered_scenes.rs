@@ -3,9 +3,9 @@
 use super::scenes::{self, log_uniform, uniform};
 use fastrand::Rng;
 use implant_preview_core::curve::{CurveSpec, Fat};
+use implant_preview_core::mesh::Attachment;
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, Field, Implant, Layer, Scene, SolverSettings,
-    TissueModel, limits,
+    Body, CellsThrough, Field, Implant, Layer, Scene, SolverSettings, TissueModel, limits,
 };
 use std::f64::consts::TAU;
 
@@ -140,7 +140,7 @@ pub(super) fn body(rng: &mut Rng, scene: &mut Scene) {
         1 => range.1,
         _ => uniform(rng, range),
     };
-    let attachment = AttachmentSettings {
+    let attachment = Attachment {
         stiffness_kpa_per_mm: log_uniform(rng, Field::AttachmentStiffness.limits),
         ramp_mm: log_uniform(rng, Field::AttachmentRamp.limits),
     };

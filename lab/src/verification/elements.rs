@@ -124,7 +124,7 @@ fn rotation(exact: &Exact, solid: &Material) -> Check {
 
 /// Slope of the energy against the forces, in four directions, attachment and wrinkled skin included.
 fn gradient(exact: &Exact) -> Check {
-    let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
+    let attachment = Some(Attachment::default());
     let exact = Exact::new(exact.rest, exact.law, exact.pocket, attachment);
     let wave = |p: DVec3| {
         let [a, b] = [0.11 * p.x, 0.09 * p.y];

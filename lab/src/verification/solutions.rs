@@ -4,14 +4,14 @@
 
 use super::check::{Bound, Check};
 use crate::accuracy;
-use crate::axisymmetric_layers::{self, Attachment, Input, RestShape, Solution, Wall};
+use crate::axisymmetric_layers::{self, Input, RestShape, Solution, Wall};
 use crate::solved;
 use crate::work_precision::Case;
 use implant_preview_core::contact::HALF_ELLIPSOID;
 use implant_preview_core::curve::CurveSpec;
+use implant_preview_core::mesh::Attachment;
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, Scene, SceneError,
-    TissueModel,
+    Body, CellsThrough, ChestShape, Implant, Layer, Scene, SceneError, TissueModel,
 };
 use implant_preview_core::simulate::{Simulation, Simulator};
 
@@ -184,7 +184,6 @@ impl Reference {
     /// The axisymmetric solutions on both meshes.
     fn meshes(&self, skin_wrinkles: bool) -> Result<Option<[Solution; 2]>, SceneError> {
         let problem = self.scene(33, 2).problem()?;
-        let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = AttachmentSettings::default();
         let on = |cells: [usize; 2]| {
             axisymmetric_layers::solve(&Input {
                 base_radius_mm: self.base_radius_mm,
@@ -193,7 +192,7 @@ impl Reference {
                 insertion: 1.0,
                 pocket_radius_mm: self.pocket_radius_mm,
                 patch_radius_mm: self.pocket_radius_mm + MARGIN_MM,
-                attachment: Attachment { stiffness_kpa_per_mm, ramp_mm },
+                attachment: Attachment::default(),
                 layers: problem.materials.clone(),
                 skin_wrinkles,
                 void_mm3: None,

@@ -2,9 +2,10 @@
 
 use crate::axisymmetric_layers::Mound;
 use implant_preview_core::curve::CurveSpec;
+use implant_preview_core::mesh::Attachment;
 use implant_preview_core::scene::{
-    AttachmentSettings, Body, CellsThrough, ChestShape, Implant, Layer, Scene, SolverSettings,
-    ThicknessGrid, TissueModel,
+    Body, CellsThrough, ChestShape, Implant, Layer, Scene, SolverSettings, ThicknessGrid,
+    TissueModel,
 };
 use serde::{Deserialize, Serialize};
 
@@ -119,7 +120,8 @@ impl Case {
         let layered = |[radius, projection]: [f64; 2], pocket: f64, kpa_per_mm, cells, layers| {
             let mut scene = sheet(radius, pocket, layers);
             scene.implant.projection_mm = projection;
-            let attachment = AttachmentSettings { stiffness_kpa_per_mm: kpa_per_mm, ramp_mm: 10.0 };
+            let attachment =
+                Attachment { stiffness_kpa_per_mm: kpa_per_mm, ..Attachment::default() };
             let tissue_model = TissueModel::Layered;
             let body = Body::around(pocket, tissue_model);
             scene.body = Body { patch_radius_mm: pocket_patch(pocket), attachment, ..body };

@@ -46,6 +46,15 @@ pub struct SkinArea {
     pub patch_after_cm2: f64,
 }
 
+impl SkinArea {
+    /// What the skin beyond the pocket gains \[cm²\].
+    #[must_use]
+    pub fn gained_beyond_cm2(&self) -> f64 {
+        let patch = self.patch_after_cm2 - self.patch_before_cm2;
+        patch - (self.pocket_after_cm2 - self.pocket_before_cm2)
+    }
+}
+
 /// The attachment's greatest pull on the inner face \[kPa\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Traction {

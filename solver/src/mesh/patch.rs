@@ -1,5 +1,8 @@
 //! The patch of simulated tissue, its pocket, and the boundary condition at its edge.
 
+use crate::curve::present;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// A disc of tissue about the pocket's centre.
@@ -25,13 +28,23 @@ pub enum Edge {
     Attached(Attachment),
 }
 
-/// Isotropic springs between the inner face beyond the pocket and the wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Springs between the inner face beyond the pocket and the wall.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "AttachmentSettings")]
+#[serde(deny_unknown_fields, default, expecting = "one JSON object")]
 pub struct Attachment {
-    /// Stiffness per area beyond the ramp \[kPa/mm\].
+    /// Stiffness per area \[kPa/mm\], 0.1 to 50.
+    #[serde(deserialize_with = "present")]
     pub stiffness_kpa_per_mm: f64,
-    /// Width over which the stiffness rises from zero at the pocket's radius \[mm\].
+    /// Width over which the stiffness rises from zero at the pocket's edge \[mm\], 1 to 40.
+    #[serde(deserialize_with = "present")]
     pub ramp_mm: f64,
+}
+
+impl Default for Attachment {
+    fn default() -> Self {
+        Self { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 }
+    }
 }
 
 /// The pocket: a disc about the grid's centre; where its edge is lowered, the half y < 0 is that of an ellipse.

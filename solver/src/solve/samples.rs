@@ -32,7 +32,7 @@ pub(crate) fn sheet(nodes_per_side: usize, center_mm: [f64; 2], insertion: f64) 
 
 /// Layered tissue at rest over a pocket of 60 mm, to an error of 1e-3.
 pub(crate) fn layered_at_rest(nodes_per_side: usize) -> Problem {
-    let attachment = Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 };
+    let attachment = Attachment::default();
     let patch = Patch {
         radius_mm: 120.0,
         pocket_radius_mm: 60.0,

@@ -86,9 +86,8 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
                 let name = tr!("Thinnest {tissue}", tissue = texts::tissue(&layer.tissue));
                 row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
             }
-            let drawn = (skin.patch_after_cm2 - skin.patch_before_cm2)
-                - (skin.pocket_after_cm2 - skin.pocket_before_cm2);
-            row(ui, error, tr("Skin gained beyond the pocket"), Some(drawn), 1, "cm²");
+            let drawn = Some(skin.gained_beyond_cm2());
+            row(ui, error, tr("Skin gained beyond the pocket"), drawn, 1, "cm²");
             if research::is_on(ui.ctx()) {
                 of(ui, outcome, bands, Quantity::AttachmentTractionKpa, 2);
             }

@@ -94,11 +94,7 @@ fn rows(layers: usize) -> Vec<Row> {
         Row::new("Skin area before", "cm2", |_, outcome| Some(outcome.area_before_cm2)),
         Row::new("Skin area after", "cm2", |_, outcome| outcome.area_after_cm2),
         Row::new("Skin gained beyond the pocket", "cm2", |_, outcome| {
-            let skin = outcome.skin_area?;
-            Some(
-                (skin.patch_after_cm2 - skin.patch_before_cm2)
-                    - (skin.pocket_after_cm2 - skin.pocket_before_cm2),
-            )
+            Some(outcome.skin_area?.gained_beyond_cm2())
         }),
         Row::new("Projection in the body", "mm", |_, outcome| outcome.projection_mm),
         Row::new("Half width in the body, across", "mm", |_, outcome| {

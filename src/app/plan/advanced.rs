@@ -10,7 +10,7 @@ use crate::app::plan::{Hand, chip, chips, plain};
 use crate::app::texts::{self, tr};
 use crate::app::widgets::theme::{SPACE, SPACE_SMALL};
 use crate::app::widgets::{Control, button_if, choice, group, labelled_box, set_accessible_name};
-use crate::scene::{AttachmentSettings, Body, Field, Layer, Scene, Springs, TissueModel, limits};
+use crate::scene::{Body, Field, Layer, Scene, Springs, TissueModel, limits};
 use crate::session::Session;
 use eframe::egui::{self, RichText, Ui};
 
@@ -277,11 +277,10 @@ fn attachment(ui: &mut Ui, scene: &mut Scene) {
         ..Control::of(Field::PatchRadius)
     }
     .show(ui, &mut body.patch_radius_mm);
-    let AttachmentSettings { stiffness_kpa_per_mm, ramp_mm } = usual.attachment;
     let stiffness = Control::of(Field::AttachmentStiffness);
-    Control { logarithmic: true, reset: stiffness_kpa_per_mm, ..stiffness }
+    Control { logarithmic: true, reset: usual.attachment.stiffness_kpa_per_mm, ..stiffness }
         .show(ui, &mut body.attachment.stiffness_kpa_per_mm);
-    Control { reset: ramp_mm, ..Control::of(Field::AttachmentRamp) }
+    Control { reset: usual.attachment.ramp_mm, ..Control::of(Field::AttachmentRamp) }
         .show(ui, &mut body.attachment.ramp_mm);
 }
 

@@ -179,6 +179,7 @@ fn the_words_of_other_modules_have_rows() {
         .chain(numbers)
         .chain(Field::ALL.iter().map(|field| field.scale.unit).filter(|unit| unit.contains(' ')))
         .chain(Quantity::ALL.map(Quantity::title))
+        .chain(Quantity::ALL.map(Quantity::label))
         .chain(quantity::Quantity::of_scene(&plan).map(|quantity| quantity.name()))
         .chain(Corrected::ALL.map(Corrected::words))
         .chain([bands::COVER, BUILT_IN_SOURCE, "skin", "adipose", "muscle"]);

@@ -2,7 +2,7 @@
 //!
 //! `traits` (what a shape is: sizes and lines in f64; its gauge in f64 and for four f32 at a time) | `half_ball` (round and anatomical implants of
 //! any fullness) | `deformed` (a shape that yields) | `draped` (the map from a shape to its place over the wall). A further shape is a file with both
-//! traits and its line in the list [`shapes!`].
+//! traits, `scaled` and `gauge`, and its line in the list [`shapes!`].
 
 mod deformed;
 mod draped;

@@ -316,7 +316,7 @@ mod tests {
         let law = LayeredLaw::new(&materials);
         let rest = Rest::layered(Sheet::new(17, 60.0), &[20.0], 2).over(chest);
         let sheet = rest.sheet();
-        let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
+        let attachment = Some(Attachment::default());
         let exact =
             Exact::new(&rest, &law, Pocket { radius_mm: 30.0, lowered_mm: 6.0 }, attachment);
         let wave = |k: usize, layer: usize, phase: f64| {

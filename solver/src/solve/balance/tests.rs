@@ -11,7 +11,7 @@ use glam::DVec2;
 
 /// Skin and fat over a flat wall or a curved one.
 fn tissue(nodes: usize, chest: &Chest) -> Problem {
-    let attachment = Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 };
+    let attachment = Attachment::default();
     let patch = Patch {
         radius_mm: 130.0,
         pocket_radius_mm: 70.0,

@@ -345,7 +345,8 @@ mod tests {
 
     #[test]
     fn a_difference_has_a_sign_and_no_more_digits_than_both_values() {
-        let row = &ROWS[5];
+        let of = |name: &str| ROWS.iter().find(|row| row.name == name).unwrap();
+        let row = of("Least cover");
         let entry = |(value, error)| Entry { value, error, word: None };
         let difference = |now, pin| row.difference(Some(&entry(now)), Some(&entry(pin)));
         assert_eq!(difference((6.9, 1e-6), (7.3, 1e-6)), "−0.4");
@@ -356,7 +357,7 @@ mod tests {
         assert_eq!(difference((12.0, 1e-6), (7.3, 1e-6)), "+4.7");
         assert_eq!(difference((12.0, 1e-6), (7.3, 2e-2)), "+5");
         assert_eq!(row.difference(None, Some(&entry((7.3, 1e-6)))), "–");
-        let pressure = ROWS.iter().find(|row| row.name == "Most pressure").unwrap();
+        let pressure = of("Most pressure");
         let [low, high] = [(40.4, 1e-6), (161.0, 1e-6)].map(entry);
         assert_eq!([Some(&low), Some(&high)].map(|e| pressure.text(e)), ["40", "over 100"]);
         assert_eq!(pressure.difference(Some(&high), Some(&low)), "–");

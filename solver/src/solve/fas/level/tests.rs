@@ -109,7 +109,7 @@ fn compare_layered_forces(
     let weight = Weight { per_volume: DVec3::new(0.0, -0.1, 0.06), skin_mm: 1.5 };
     let rest = rest.weighed(Some(weight).filter(|_| pocket.is_lowered()).unwrap_or_default());
     let sheet = rest.sheet();
-    let attachment = Some(Attachment { stiffness_kpa_per_mm: 2.0, ramp_mm: 10.0 });
+    let attachment = Some(Attachment::default());
     let exact = Exact::new(&rest, &law, pocket, attachment);
     let bulge = |p: DVec2, layer: usize| {
         let s = p.length() / 80.0;
