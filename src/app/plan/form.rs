@@ -214,11 +214,6 @@ fn posture_field(scene: &Scene) -> Field {
     )
 }
 
-/// Place of a text among the words of a choice; else the words, with commas between.
-fn position_of<const N: usize>(words: [&str; N], text: &str) -> Result<usize, String> {
-    words.iter().position(|word| *word == text.trim()).ok_or_else(|| words.join(", "))
-}
-
 /// Sets a field from its text. A number may have a decimal comma and a unit.
 ///
 /// # Errors
@@ -229,47 +224,52 @@ pub(crate) fn set(
     name: &str,
     text: &str,
 ) -> Result<(), String> {
-    if name == SKIN {
-        let allowed = SkinClass::ALL.map(SkinClass::word);
-        let class = SkinClass::ALL.into_iter().find(|class| class.word() == text.trim());
-        let class =
-            class.ok_or_else(|| tr!("Skin feels: allowed: {words}", words = allowed.join(", ")))?;
-        let mut measured = scene.measured();
-        (measured.skin_class, measured.skin_pull_mm) = (Some(class), None);
-        patient::measure(scene, measured);
-        return Ok(());
+    let chosen = |label, words: &[&str]| {
+        let place = words.iter().position(|word| *word == text.trim());
+        let refusal =
+            || tr!("{label}: allowed: {words}", label = tr(label), words = words.join(", "));
+        place.ok_or_else(refusal)
+    };
+    let is_layered = scene.is_layered();
+    match name {
+        SKIN => {
+            let found = chosen("Skin feels", &SkinClass::ALL.map(SkinClass::word))?;
+            let mut measured = scene.measured();
+            (measured.skin_class, measured.skin_pull_mm) = (Some(SkinClass::ALL[found]), None);
+            patient::measure(scene, measured);
+        }
+        SHAPE if has_shape(choices) => {
+            let found = chosen("Implant", &shape::CHOICES.map(|(word, _)| word))?;
+            shape::set_anatomical(scene, choices, found == 1);
+        }
+        FILL if has_shape(choices) => {
+            let found = chosen("Filled with", &fill::CHOICES.map(|(word, ..)| word))?;
+            scene.implant.fill = fill::CHOICES[found].1;
+        }
+        CHEST if is_layered => {
+            let found = chosen("Chest", &chest::CHOICES.map(|(word, ..)| word))?;
+            chest::CHOICES[found].1.set(scene);
+        }
+        FLUID if is_layered => {
+            let found = chosen("Fluid in the pocket", &pocket::FLUIDS.map(|(word, ..)| word))?;
+            pocket::limit_fluid(scene, found == 1);
+        }
+        POSTURE if is_layered => {
+            let found = chosen("Posture", &posture::POSTURES.map(|(_, word, ..)| word))?;
+            scene.body.posture = posture::POSTURES[found].0;
+        }
+        _ => return set_other(scene, choices, name, text),
     }
-    if name == SHAPE && has_shape(choices) {
-        let refusal = |words| tr!("Implant: allowed: {words}", words);
-        let found = position_of(shape::CHOICES.map(|(word, _)| word), text).map_err(refusal)?;
-        shape::set_anatomical(scene, choices, found == 1);
-        return Ok(());
-    }
-    if name == FILL && has_shape(choices) {
-        let refusal = |words| tr!("Filled with: allowed: {words}", words);
-        let found = position_of(fill::CHOICES.map(|(word, ..)| word), text).map_err(refusal)?;
-        scene.implant.fill = fill::CHOICES[found].1;
-        return Ok(());
-    }
-    if name == CHEST && scene.is_layered() {
-        let refusal = |words| tr!("Chest: allowed: {words}", words);
-        let found = position_of(chest::CHOICES.map(|(word, ..)| word), text).map_err(refusal)?;
-        chest::CHOICES[found].1.set(scene);
-        return Ok(());
-    }
-    if name == FLUID && scene.is_layered() {
-        let refusal = |words| tr!("Fluid in the pocket: allowed: {words}", words);
-        let found = position_of(pocket::FLUIDS.map(|(word, ..)| word), text).map_err(refusal)?;
-        pocket::limit_fluid(scene, found == 1);
-        return Ok(());
-    }
-    if name == POSTURE && scene.is_layered() {
-        let refusal = |words| tr!("Posture: allowed: {words}", words);
-        let words = posture::POSTURES.map(|(_, word, ..)| word);
-        let found = position_of(words, text).map_err(refusal)?;
-        scene.body.posture = posture::POSTURES[found].0;
-        return Ok(());
-    }
+    Ok(())
+}
+
+/// Sets a number or a field of the visit from its text.
+fn set_other(
+    scene: &mut Scene,
+    choices: &mut Choices,
+    name: &str,
+    text: &str,
+) -> Result<(), String> {
     if let Some(set) = visit::set_form_field(scene, name, text) {
         return set;
     }
