@@ -4,7 +4,7 @@
 
 use implant_preview_core::clinical::When;
 use implant_preview_core::scene::Scene;
-use implant_preview_core::study::{Cases, Quantity, Study, Times, evaluate};
+use implant_preview_core::study::{AtTime, Case, Cases, Quantity, Study, Times, evaluate};
 use serde_json::{Value, json};
 
 fn plan(tension: f64) -> Scene {
@@ -40,6 +40,21 @@ fn pressure_falls_and_the_mound_stays_while_the_skin_relaxes_and_grows() {
         let [before, .., after] = of(Quantity::SkinAreaGain);
         assert!(after.value > before.value);
     }
+}
+
+#[test]
+fn ranges_leave_out_deviations_without_an_answer() {
+    let (mut times, mut store) = (Times::new(&plan(20.0)).unwrap(), Cases::default());
+    while let Some((index, job)) = times.next_job(&mut store) {
+        // The last one is a deviation after six months.
+        let has_answer = times.progress().0 < 6;
+        let cases = if has_answer { evaluate(&job) } else { vec![Case::default()] };
+        times.receive(index, cases, &mut store);
+    }
+    assert_eq!(When::ALL.map(|when| times.left_out(when)), [0, 0, 1]);
+    let AtTime { value, range: [least, most] } =
+        times.value(When::SixMonths, Quantity::ForceN).unwrap();
+    assert!(least <= value && value <= most && least < most);
 }
 
 #[test]

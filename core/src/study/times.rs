@@ -66,17 +66,29 @@ impl Times {
         Ok(Self { scenes, cases, asked: 0, jobs: OneByOne::new() })
     }
 
-    /// A quantity at a time; `None` before the end of its scenes, and if one has no answer.
+    /// The cases of a time, first the expected one; `None` of one before its end.
+    fn cases(&self, when: When) -> impl Iterator<Item = Option<&Case>> {
+        let own = self.scenes.iter().zip(&self.cases).filter(move |((at, ..), _)| *at == when);
+        own.map(|(_, case)| case.as_ref())
+    }
+
+    /// A quantity at a time; `None` before the end of its scenes, and if the expected one has no answer. The range leaves out deviations
+    /// without an answer.
     #[must_use]
     pub fn value(&self, when: When, quantity: Quantity) -> Option<AtTime> {
-        let own = self.scenes.iter().zip(&self.cases).filter(|((at, ..), _)| *at == when);
-        let values = own.map(|(_, case)| {
-            case.as_ref().filter(|case| case.is_converged())?.values.get(quantity)
-        });
-        let values = values.collect::<Option<Vec<f64>>>()?;
+        let cases: Vec<&Case> = self.cases(when).collect::<Option<_>>()?;
+        let of = |case: &Case| case.values.get(quantity).filter(|_| case.is_converged());
+        let value = of(cases.first()?)?;
         let range = [f64::min as fn(f64, f64) -> f64, f64::max]
-            .map(|of| values.iter().copied().fold(values[0], of));
-        Some(AtTime { value: values[0], range })
+            .map(|least| cases.iter().filter_map(|case| of(case)).fold(value, least));
+        Some(AtTime { value, range })
+    }
+
+    /// Number of deviations at a time that have no answer.
+    #[must_use]
+    pub fn left_out(&self, when: When) -> usize {
+        let deviations = self.cases(when).skip(1).flatten();
+        deviations.filter(|case| !case.is_converged()).count()
     }
 
     /// The times with all their quantities, as a file.
@@ -88,6 +100,7 @@ impl Times {
             grown: when.grown(),
             fold_drop_mm: when.fold_drop_mm(),
             source: when.source(),
+            left_out: self.left_out(when),
             values: Quantity::ALL
                 .into_iter()
                 .filter_map(|quantity| Some((quantity.name(), self.value(when, quantity)?)))
@@ -142,6 +155,8 @@ struct TimeFile {
     fold_drop_mm: Expected,
     /// Where these three are from.
     source: &'static str,
+    /// Number of deviations without an answer, which the ranges leave out.
+    left_out: usize,
     /// The quantities of `map`, by their names; without an answer none.
     #[schemars(with = "BTreeMap<Quantity, AtTime>")]
     values: BTreeMap<&'static str, AtTime>,

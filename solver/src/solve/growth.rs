@@ -146,7 +146,10 @@ impl Solver {
         problem.rest = problem.rest.clone().with_grown(grown);
         let stop = self.stop();
         if let Some(multigrid) = &mut self.multigrid {
-            multigrid.start_grown(&self.problem, &self.law, stop);
+            multigrid.set_model(&self.problem, &self.law);
+            if starts {
+                multigrid.start_attempt(&self.problem, stop, 1);
+            }
         }
         self.attempts += u32::from(starts);
         starts

@@ -140,14 +140,6 @@ impl Multigrid {
         }
     }
 
-    /// Starts again with skin that has grown.
-    pub(super) fn start_grown(&mut self, problem: &Problem, law: &Law, stop: Stop) {
-        if let (Self::Layered(scheme), Law::Layered(law)) = (self, law) {
-            scheme.set_model(layered(problem, law));
-            scheme.start_again(&LAYERED, problem, stop);
-        }
-    }
-
     pub(super) fn start(&mut self, problem: &Problem, stop: Stop, draft: Option<f64>) {
         // An earlier solve may have ended in another attempt.
         match self {
@@ -225,7 +217,7 @@ impl Multigrid {
     /// Starts an attempt of a round, by other constants; false after the last attempt: of a sheet the second, of the paper's springs the
     /// first; of layered tissue over even tissue on a flat wall the second, else the third and those that go on from a dome of its rise, unless one
     /// ended slowly near its solution, as skin in folds does in a hollow.
-    fn start_attempt(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
+    pub(super) fn start_attempt(&mut self, problem: &Problem, stop: Stop, attempt: u32) -> bool {
         let scheme = match self {
             Self::Sheet(scheme) => {
                 let has_another = attempt == 2 && problem.springs == Springs::Coupled;
@@ -240,6 +232,7 @@ impl Multigrid {
         let only_stiffens = solids.iter().any(|solid| solid.curve.stiffens())
             && !solids.iter().any(|solid| solid.curve.softens());
         let parameters = match attempt {
+            1 => &LAYERED,
             _ if !is_even && scheme.is_slow() => return false,
             2 if only_stiffens => &LAYERED_FRESH,
             2 => &LAYERED_GENTLE,

@@ -205,11 +205,12 @@ impl Solver {
         Pull::Nearer
     }
 
-    /// Ends a solve with the void that it has.
+    /// Ends a solve with the void that it has; without convergence if that leaves more than the tolerance.
     pub(super) fn end_sealed(&mut self, verdict: Verdict) {
         self.left = self.left.max(self.left_by_void());
         self.seal = Seal::default();
-        self.end(verdict);
+        let is_left = self.left > self.problem.tolerance;
+        self.end(if is_left { Verdict::NotConverged } else { verdict });
     }
 
     /// Position error by the difference of the void from its limit, as the solutions so far moved by the void \[base radius\].

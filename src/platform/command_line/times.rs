@@ -31,6 +31,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     let json = serde_json::to_string_pretty(&times.file())
         .map_err(|error| InputError(format!("times: {error}")))?;
     output::write_all(&[File::new(&arguments.out, json + "\n")])?;
+    for when in When::ALL {
+        let left_out = times.left_out(when);
+        if left_out > 0 {
+            output::warn(&format!(
+                "{}: {left_out} of 2 deviations have no answer; the ranges leave them out.",
+                when.words()
+            ));
+        }
+    }
     let has_values = When::ALL.iter().all(|when| times.value(*when, Quantity::ForceN).is_some());
     Ok(solver.status(&times, has_values))
 }
