@@ -313,7 +313,7 @@ def times(scene: Scene, *, threads: int | None = None) -> dict[str, Any]:
     """A scene of layered tissue on the table, a week and six months after its operation.
 
     Returns the file of the command ``times`` (docs/formats.md, ``times/1``): ``times``, a list of three, each with ``when``, ``relaxed``,
-    ``grown`` and ``fold_drop_mm``, and in ``values`` by the names of :func:`quantities` the ``value`` and its ``range``.
+    ``grown``, ``fold_drop_mm`` and ``left_out``, and in ``values`` by the names of :func:`quantities` the ``value`` and its ``range``.
 
     Raises :class:`SceneError` with one line for a sheet and for a scene out of its limits.
     """

@@ -177,7 +177,8 @@ impl Solver {
         if is_enough || is_last {
             self.growths = Growths::default();
             self.left = change;
-            let is_converged = is_enough || change < accepted * tolerance && is_sealed;
+            let accepted = (accepted * tolerance).min(self.problem.tolerance);
+            let is_converged = is_enough || change < accepted && is_sealed;
             let verdict = if is_converged { Verdict::Converged } else { Verdict::NotConverged };
             return self.end_sealed(verdict);
         }

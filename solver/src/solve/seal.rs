@@ -205,11 +205,12 @@ impl Solver {
         Pull::Nearer
     }
 
-    /// Ends a solve with the void that it has; without convergence if that leaves more than the tolerance.
+    /// Ends a solve with the void that it has; without convergence if it leaves more than the tolerance.
     pub(super) fn end_sealed(&mut self, verdict: Verdict) {
-        self.left = self.left.max(self.left_by_void());
+        let by_void = self.left_by_void();
+        self.left = self.left.max(by_void);
         self.seal = Seal::default();
-        let is_left = self.left > self.problem.tolerance;
+        let is_left = by_void > self.problem.tolerance;
         self.end(if is_left { Verdict::NotConverged } else { verdict });
     }
 
