@@ -50,7 +50,6 @@ fn a_body_over_an_implant_keeps_its_tissue_and_has_no_seam() {
         let deformed = deform(&surface, &fitted.frame, &solution);
         assert_eq!(deformed.triangles, surface.triangles);
 
-        println!("{side:?}:");
         let inside = inner_gain([&surface, &deformed], &solution, &fitted);
         let implant = 225.0;
         assert!(inside > implant && inside < 1.4 * implant, "{inside}");

@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Maximum nodes per side, 17 to 513.
-    #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = MOST_NODES, value_parser = most_nodes, allow_negative_numbers = true)]
     most_nodes: usize,
     /// The tissue model of the random scenes.
     #[arg(long, value_name = "M", default_value = "sheet", value_parser = tissue_model)]
