@@ -11,6 +11,7 @@ use super::open::Open;
 use crate::body::chest::{Quadric, solved};
 use crate::mesh::{Chest, HeightGrid};
 use glam::DVec2;
+use std::cell::LazyCell;
 use std::f64::consts::TAU;
 
 /// Lengths ℓ of the blend, tried in this order, and the one within holes of the data \[mm\].
@@ -21,6 +22,10 @@ const LONGEST_MM: f64 = 40.0;
 const HOLLOWS: (f64, f64) = (2.5, 3.0);
 /// Least radius of curvature of the quadric outwards \[radii of the simulated tissue\], as of a chest by radii.
 const LEAST_OF_PATCH: f64 = 0.75;
+/// Nodes beside an open one at which the blend may make a hollow: the spline of the heights rings there by 0.27 a node.
+const RINGING: usize = 3;
+/// Part of the hollow of the longest blend up to which one at a known height is that of the data \[-\].
+const OF_DATA: f64 = 1.25;
 /// Difference from the quadric beyond which a height loses weight \[mm\], and renewals of the weights.
 const HUBER: (f64, usize) = (4.0, 8);
 /// Weight of curvatures at their bounds \[heights\].
@@ -147,33 +152,42 @@ impl Continuation {
 
     /// The wall with the shortest blend that is nowhere hollower than the tissue at a place allows, otherwise with the longest one.
     pub(super) fn wall(&self, patch_mm: f64, tissue_mm: impl Fn(DVec2) -> f64) -> Option<Chest> {
-        let open: Vec<DVec2> = (0..self.heights.len())
-            .filter(|&k| self.is_beside_open(k))
-            .map(|k| self.place(k))
-            .filter(|place| place.length() <= patch_mm)
+        let near: Vec<(DVec2, bool)> = (0..self.heights.len())
+            .filter(|&k| self.is_near_open(k))
+            .map(|k| (self.place(k), self.heights[k].is_some()))
+            .filter(|(place, _)| place.length() <= patch_mm)
             .collect();
-        let mut wall = None;
-        for length in LENGTHS_MM {
-            let heights = self.continued(length);
-            let found = Chest::Grid(HeightGrid::new(self.spacing_mm, self.counts, heights)?);
-            let fits = |place: &DVec2| bend(&found, *place) * HOLLOWS.0 * tissue_mm(*place) <= 1.0;
-            if open.iter().all(fits) {
+        let blended = |length: f64| {
+            let grid = HeightGrid::new(self.spacing_mm, self.counts, self.continued(length));
+            grid.map(Chest::Grid)
+        };
+        let longest = LazyCell::new(|| blended(LONGEST_MM));
+        for length in LENGTHS_MM.into_iter().filter(|length| *length < LONGEST_MM) {
+            let found = blended(length)?;
+            let fits = |&(place, is_known): &(DVec2, bool)| {
+                let bend = |wall: &Chest| bend(wall, place);
+                let of_data = || longest.as_ref().map_or(0.0, |longest| OF_DATA * bend(longest));
+                bend(&found) * HOLLOWS.0 * tissue_mm(place) <= 1.0
+                    || is_known && bend(&found) <= of_data()
+            };
+            if near.iter().all(fits) {
                 return Some(found);
             }
-            wall = Some(found);
         }
-        wall
+        longest.clone()
     }
 
-    /// Has a node or one beside it no height?
-    fn is_beside_open(&self, k: usize) -> bool {
+    /// Has a node, or one beside it to which the spline rings, no height?
+    fn is_near_open(&self, k: usize) -> bool {
         let [columns, rows] = self.counts;
         let (i, j) = (k % columns, k / columns);
+        let beside =
+            |at: usize, count: usize| at.saturating_sub(RINGING)..(at + RINGING + 1).min(count);
         let open = |row: usize| {
             let row = &self.heights[row * columns..][..columns];
-            row[i.saturating_sub(1)..(i + 2).min(columns)].iter().any(Option::is_none)
+            row[beside(i, columns)].iter().any(Option::is_none)
         };
-        (j.saturating_sub(1)..(j + 2).min(rows)).any(open)
+        beside(j, rows).any(open)
     }
 
     /// All heights, continued with a length of the blend \[mm\].

@@ -9,12 +9,16 @@ fn chest(at: DVec2) -> f64 {
 
 /// A scene with heights 5 mm apart, within a half width \[mm\].
 fn scene(half_mm: f64, height: impl Fn(DVec2) -> Option<f64>) -> Scene {
-    let half = half_mm / 5.0;
+    spaced(5.0, half_mm, height)
+}
+
+fn spaced(spacing_mm: f64, half_mm: f64, height: impl Fn(DVec2) -> Option<f64>) -> Scene {
+    let half = half_mm / spacing_mm;
     let side = 2 * half as usize + 1;
-    let place = |k: usize| DVec2::new((k % side) as f64 - half, (k / side) as f64 - half) * 5.0;
+    let place =
+        |k: usize| DVec2::new((k % side) as f64 - half, (k / side) as f64 - half) * spacing_mm;
     let heights_mm = (0..side * side).map(|k| height(place(k))).collect();
-    let grid =
-        HeightsGrid { spacing_mm: 5.0, columns: side, rows: side, heights_mm, smooth_mm: 0.0 };
+    let grid = HeightsGrid { spacing_mm, columns: side, rows: side, heights_mm, smooth_mm: 0.0 };
     Scene { chest_grid: Some(ChestGrid { grid }), ..Scene::default() }
 }
 
@@ -79,6 +83,21 @@ fn a_blend_is_as_long_as_it_must_be_to_make_no_hollow() {
         for place in places().filter(|place| place.x > 75.0) {
             let hollow = bend(&found, place) * 2.0 * tissue;
             assert!(hollow < 1.0, "{place}: {hollow}");
+        }
+    }
+}
+
+/// A fold at the flank whose data end on its far side, and a roll that they cut: the spline rings beside the blend.
+#[test]
+fn data_that_end_on_a_rising_slope_are_continued_without_a_hollow() {
+    let fold = |at: DVec2| chest(at) + 0.012 * (at.x - 50.0).max(0.0).powi(2);
+    let roll = |at: DVec2| chest(at) + 12.0 * (-((at.x - 100.0) / 18.0).powi(2)).exp();
+    for (spacing, half) in [(2.0, 130.0), (4.0, 132.0), (6.0, 132.0)] {
+        for edge in [72.0, 76.0, 80.0, 84.0, 88.0, 92.0, 96.0] {
+            for height in [&fold as &dyn Fn(DVec2) -> f64, &roll] {
+                let cut = spaced(spacing, half, |at| (at.x <= edge).then(|| height(at)));
+                assert_eq!(cut.validate(), Ok(()), "{spacing} {edge}");
+            }
         }
     }
 }
