@@ -111,6 +111,18 @@ fn growth_takes_away_the_tension_of_the_skin() {
 }
 
 #[test]
+fn a_coarser_tolerance_has_nearly_the_same_force() {
+    for grown in [0.1, 0.25, 0.5] {
+        let [coarse, fine] = [1e-3, 1e-4].map(|tolerance| {
+            let mut scene = scene(65, None, 0.0, grown);
+            (scene.implant.projection_mm, scene.solver.tolerance) = (40.0, tolerance);
+            force(&simulate(&scene).unwrap())
+        });
+        assert!((coarse / fine - 1.0).abs() < 0.01, "{grown}: {coarse} {fine}");
+    }
+}
+
+#[test]
 fn both_methods_have_the_same_growth() {
     let mut scene = scene(33, None, 20.0, 0.8);
     let solved = |scene: &Scene, method: Method| {

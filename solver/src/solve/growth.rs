@@ -30,7 +30,7 @@ const ROUGH_CYCLES: (u32, u32) = (2, 8);
 const STALLED: f64 = 0.85;
 
 /// Solves after the first one at most, and the change of Γ up to which the last one is accepted \[tolerance of Γ\].
-const MOST_SOLVES: (u32, f64) = (24, 3.3);
+const MOST_SOLVES: (u32, f64) = (48, 3.3);
 
 /// Solves whose growths are mixed.
 const DEPTH: usize = 4;

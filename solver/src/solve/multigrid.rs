@@ -136,7 +136,7 @@ impl Multigrid {
     /// Continues from the solution with skin that has grown, or under another suction.
     pub(super) fn grow(&mut self, problem: &Problem, law: &Law, stop: Stop) {
         if let (Self::Layered(scheme), Law::Layered(law)) = (self, law) {
-            scheme.grow(layered(problem, law), stop);
+            scheme.grow(layered(problem, law), stop, problem.rest.growth() > 0.0);
         }
     }
 

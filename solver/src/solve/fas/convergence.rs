@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! ρ     = change/previous change, clamped to [min_convergence_factor, max_convergence_factor];
-//!         min_convergence_factor without a previous change
+//!         min_convergence_factor without a previous change (skin that has grown: no estimate)
 //! error = max(error_safety·change·ρ/(1 − ρ), error_per_residual·residual·R) + neglected contact offset
 //! ```
 //!
@@ -75,6 +75,8 @@ pub(super) enum Offsets {
 /// The convergence of the grid being solved.
 #[derive(Clone, Debug)]
 pub(super) struct Convergence {
+    /// Is the start the solution before the skin grew? A single cycle leaves up to 6 % of the force there.
+    pub(super) has_grown: bool,
     /// Cycles of the grid.
     pub(super) cycles: u32,
     /// Slow cycles in a row.
@@ -108,6 +110,7 @@ pub(super) struct Convergence {
 impl Convergence {
     /// Before the first cycle of a grid.
     pub(super) const NEW: Self = Self {
+        has_grown: false,
         cycles: 0,
         slow_cycles: 0,
         all_slow_cycles: 0,
@@ -157,7 +160,11 @@ impl Convergence {
             self.all_slow_cycles += u32::from(is_slow);
         }
         self.last_change = change;
-        self.ending.error = parameters.error_safety * change * rate / (1.0 - rate);
+        self.ending.error = if self.has_grown && self.cycles == 1 {
+            f64::INFINITY
+        } else {
+            parameters.error_safety * change * rate / (1.0 - rate)
+        };
         is_slow
     }
 }

@@ -320,8 +320,8 @@ impl<M: ElasticModel> FullMultigrid<M> {
         self.mode = Mode::Fast;
     }
 
-    /// Continues from the solution with a model that has grown; the coarser grids are solved for no other.
-    pub(super) fn grow(&mut self, model: M, stop: Stop) {
+    /// Continues from the solution with a model under another suction or with skin that has grown; the coarser grids are solved for no other.
+    pub(super) fn grow(&mut self, model: M, stop: Stop, has_grown: bool) {
         self.before_growth = (self.finest_cycles(), self.change_by_refinement());
         self.model = model;
         self.stop = stop;
@@ -329,6 +329,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
             level.grow(&self.model);
         }
         self.begin_grid(self.grid);
+        self.convergence.has_grown = has_grown;
     }
 
     /// Places the obstacle on every grid.
