@@ -39,6 +39,8 @@ fn saline_under_tight_skin_waits_for_the_tissue() {
         let by = (outcome.status, outcome.solver.method);
         assert_eq!(by, (Status::Converged, SolverMethod::Multigrid));
         assert!(outcome.implant_in_body.unwrap().deformation.flattening > 0.4);
+        let is_told = |warning: &String| warning.starts_with("The implant is flattened by ");
+        assert!(outcome.warnings.iter().any(is_told), "{:?}", outcome.warnings);
     }
 }
 

@@ -65,6 +65,8 @@ fn hostile_scenes_are_rejected_in_one_line_with_the_field() {
         ),
         (with(r#""schema":"""#), &["schema", "implant-preview/scene/1"]),
         (with(r#""schema":1"#), &["schema", "expected a string"]),
+        (with(r#""when":3"#), &["when: is not a text", "a word in quotation marks"]),
+        (with(r#""pocket_lowered_mm":41"#), &["pocket_lowered_mm is 41", "0 to 40 mm"]),
         (
             with(r#""solver":{"nodes_per_side":33.5}"#),
             &["solver.nodes_per_side", "expected a whole number"],

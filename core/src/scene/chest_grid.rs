@@ -305,8 +305,16 @@ impl Scene {
                     continuation.given(&smooth)
                 }),
             };
-            let known = moved.iter().zip(&*grid.heights_mm);
-            let moves = known.filter_map(|(after, before)| Some((after - (*before)?).abs()));
+            let middle = [grid.columns, grid.rows].map(|count| 0.5 * (count - 1) as f64);
+            let is_within = |k: usize| {
+                let at = [k % grid.columns, k / grid.columns].map(|k| k as f64);
+                let from_middle = (at[0] - middle[0]).hypot(at[1] - middle[1]);
+                from_middle * grid.spacing_mm <= self.patch_radius()
+            };
+            let known = moved.iter().zip(&*grid.heights_mm).enumerate();
+            let moves = known
+                .filter(|(k, _)| is_within(*k))
+                .filter_map(|(_, (after, before))| Some((after - (*before)?).abs()));
             format!(
                 "The heights of the chest are smoothed by {} mm; they moved by up to {:.1} mm.",
                 number(grid.smooth_mm),

@@ -221,6 +221,8 @@ impl Scene {
             ));
         }
         self.check_body()?;
+        // The limits of the patch depend on it.
+        Field::PocketLowered.check(self, 0)?;
         self.check_numbers(Part::Body)?;
         self.check_patient()?;
         self.check_visit()?;

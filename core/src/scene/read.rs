@@ -202,6 +202,7 @@ pub fn of_any_size<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
             return gap;
         }
         let text = match error.classify() {
+            Category::Syntax if is_no_word(&error, text) => NO_WORD.to_owned(),
             Category::Syntax => format!("{error}; allowed: JSON, numbers as 12.5"),
             Category::Eof => {
                 format!("ends too early, in line {}; allowed: one whole JSON object", error.line())
@@ -213,6 +214,15 @@ pub fn of_any_size<T: DeserializeOwned>(text: &str, whole: &str) -> Result<T, Sc
     })?;
     reader.end().map_err(|error| problem(whole, &error.to_string()))?;
     Ok(read)
+}
+
+/// The error of another value than a word where one of some words is expected.
+const NO_WORD: &str = "is not a text; allowed: a word in quotation marks";
+
+/// Is the error at another value in whole JSON? The parser expects one of some words to be a text.
+fn is_no_word(error: &serde_json::Error, text: &str) -> bool {
+    error.to_string().starts_with("expected value")
+        && serde_json::from_str::<IgnoredAny>(text).is_ok()
 }
 
 /// The error of `null` where a value is expected, or of a number that JSON does not have, as other languages write it.

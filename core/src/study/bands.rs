@@ -11,7 +11,7 @@ use super::percentile;
 use super::queue::{Queue, Queued};
 use super::section_band::{SectionBand, section_band};
 use super::sequence::{MAX_SAMPLES, quantile, unit_sample};
-use super::{Case, PointStatus, Profile, Quantity, Unknown};
+use super::{Case, PointStatus, Profile, Quantity, Unknown, same_words};
 use crate::clinical::spread::{Distribution, METHOD_SCALES, Spread};
 use crate::curve::{SCALES, given, whole};
 use crate::measure::PROFILE_POINTS;
@@ -331,10 +331,7 @@ impl Bands {
     /// The whole report, for a file.
     #[must_use]
     pub fn report(&self) -> BandsReport {
-        let mut warnings = BTreeMap::new();
-        for warning in self.samples().flat_map(|case| &case.warnings) {
-            *warnings.entry(warning.clone()).or_insert(0) += 1;
-        }
+        let warnings = same_words::counted(self.samples().flat_map(|case| &case.warnings));
         let (done, all) = self.queue.progress();
         let unknown = |(unknown, spread): &(Unknown, Spread)| UnknownReport {
             name: *unknown,

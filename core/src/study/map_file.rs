@@ -2,6 +2,7 @@
 
 use super::{
     Axis, Case, Difference, Map, MapCheck, MapSettings, PointStatus, Quantity, Source, Values,
+    same_words,
 };
 use crate::export::number;
 use crate::measure::bands::Band;
@@ -165,10 +166,8 @@ impl Map {
             let (label, unit) = axis.field.label();
             AxisFile { axis: *axis, label, unit, present: present.map(|at| at[k]) }
         };
-        let mut warnings = BTreeMap::new();
-        for warning in self.cases().iter().flatten().flat_map(|case| &case.warnings) {
-            *warnings.entry(warning.clone()).or_insert(0) += 1;
-        }
+        let warnings =
+            same_words::counted(self.cases().iter().flatten().flat_map(|case| &case.warnings));
         let limits = self.limits(show).map(|(limits, _)| limits.bands);
         let bands: &[Band] = limits.as_deref().unwrap_or_default();
         let contour = |(k, level): (usize, f64)| ContourFile {

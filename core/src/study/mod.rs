@@ -8,7 +8,7 @@
 //! `axis` | `map` | `map_border` (points without an answer, solved in full) | `map_check` (points on a finer grid) |
 //! `map_file` (its table and JSON) | `map_levels` (limits and contour lines) | `map_options` (choices) | `map_sample` (points that are solved, values between), `map_column` (of one quantity) | `surface` (a smooth function of scattered values) | `map_values` (between and beside the points) | `contour` (lines of equal value) |
 //! `sequence` (random numbers of the samples) | `importance` (Sobol indices from rows), `expansion` (from a polynomial of the samples), `fits` (of all quantities) | `percentile` | `unknown` (about a person) |
-//! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
+//! `bands` | `bands_importance` (of the unknowns for them) | `bands_report` (in a file) | `schema` (of the formats) | `same_words` (warnings of many scenes) | `samples` (two scenes sample by sample) | `section_band` (of the skin's section) | `no_answer` (why a plan has
 //! none) | `nearest` (the nearest plan with an answer) | `each` (all of a list) | `first_usual` (the first of a list that stays usual) |
 //! `practice` (the stretch that practice's volumes give) | `times` (a plan on the table, after a week, after six months) | `usual_range` (the largest volume that stays usual, over sampled patients).
 //!
@@ -47,6 +47,7 @@ mod practice;
 mod quantity;
 mod queue;
 pub mod runner;
+mod same_words;
 mod samples;
 mod schema;
 mod section_band;

@@ -38,6 +38,21 @@ pub struct Yielded {
     pub tilt: [f64; 2],
 }
 
+/// Flattening up to which the deformations describe a body \[-\] (docs/theory.md, limits of the soft implant).
+const TRUSTED_FLATTENING: f64 = 0.3;
+
+/// A warning for an implant that lies flatter than its deformations are trusted.
+pub(super) fn warning(solution: &Solution) -> Option<String> {
+    let [flattening, ..] = solution.problem().obstacle.dome.shape.soft()?.modes();
+    (flattening > TRUSTED_FLATTENING).then(|| {
+        format!(
+            "The implant is flattened by {:.0} %; its computed shape is not trusted beyond {:.0} %.",
+            100.0 * flattening,
+            100.0 * TRUSTED_FLATTENING
+        )
+    })
+}
+
 /// Of a solution; `None` of an implant that does not yield.
 pub(super) fn of(solution: &Solution) -> Option<ImplantInBody> {
     let dome = &solution.problem().obstacle.dome;

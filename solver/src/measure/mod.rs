@@ -106,6 +106,7 @@ pub fn measure(fields: &Fields, tissues: &[String], selection: &Selection) -> Ou
         outcome.wrinkled = shares.map(|shares| shares.wrinkled);
         if wants_warnings {
             outcome.warn(problem, &summary, fields.contact().nodes());
+            outcome.warnings.extend(in_body::warning(solution));
             outcome.warnings.extend(match shares {
                 Some(shares) => shares.warning(),
                 None => layers::compression(solution),

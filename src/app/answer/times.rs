@@ -17,6 +17,10 @@ pub(crate) const TITLE: &str = "On the table and later";
 const NOTE: &str = "In brackets: within one standard deviation of relaxation and growth, which are estimates from skin of animals and from when breasts \
      stop changing. Fat, capsule and the way of the fold are not computed.";
 
+/// Beside ranges from which deviations are missing.
+const LEFT_OUT: &str =
+    "Some states within the standard deviation have no answer; the range leaves them out.";
+
 /// Quantities of the table, with their decimals.
 const ROWS: [(Quantity, usize); 5] = [
     (Quantity::MeanPressureMmhg, 0),
@@ -75,7 +79,10 @@ impl PlanTimes {
         );
         let heads = When::ALL.map(|when| name(when).to_owned()).to_vec();
         let lines = ROWS.into_iter().map(row).chain([fold]).collect();
-        Some(Table { heads, lines, notes: vec![tr(NOTE).to_owned()] })
+        let left_out = When::ALL.map(|when| times.left_out(when)).iter().sum::<usize>();
+        let left_out = (left_out > 0).then(|| tr(LEFT_OUT).to_owned());
+        let notes = [tr(NOTE).to_owned()].into_iter().chain(left_out).collect();
+        Some(Table { heads, lines, notes })
     }
 
     /// The section of the table; nothing for skin without a state.
