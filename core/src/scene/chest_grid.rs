@@ -305,12 +305,9 @@ impl Scene {
                     continuation.given(&smooth)
                 }),
             };
-            let middle = [grid.columns, grid.rows].map(|count| 0.5 * (count - 1) as f64);
-            let is_within = |k: usize| {
-                let at = [k % grid.columns, k / grid.columns].map(|k| k as f64);
-                let from_middle = (at[0] - middle[0]).hypot(at[1] - middle[1]);
-                from_middle * grid.spacing_mm <= self.patch_radius()
-            };
+            let counts = [grid.columns, grid.rows];
+            let is_within =
+                |k: usize| grid::place(k, counts, grid.spacing_mm).length() <= self.patch_radius();
             let known = moved.iter().zip(&*grid.heights_mm).enumerate();
             let moves = known
                 .filter(|(k, _)| is_within(*k))

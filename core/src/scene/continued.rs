@@ -6,7 +6,7 @@
 //! (1 + d/ℓ) exp(−d/ℓ), with ℓ = 5 mm to 9 % within 20 mm, and the slope is continuous. ℓ grows up to 40 mm where the blend of a
 //! smaller ℓ would be hollower than the tissue allows; gaps that data enclose always have that one, as their heights follow from those around, not from the quadric.
 
-use super::grid::COUNTS;
+use super::grid::{self, COUNTS};
 use super::open::Open;
 use crate::body::chest::{Quadric, solved};
 use crate::mesh::{Chest, HeightGrid};
@@ -87,9 +87,7 @@ impl Continuation {
     }
 
     fn place(&self, k: usize) -> DVec2 {
-        let at = [k % self.counts[0], k / self.counts[0]].map(|k| k as f64);
-        let [columns, rows] = self.counts.map(|count| 0.5 * (count - 1) as f64);
-        DVec2::new(at[0] - columns, at[1] - rows) * self.spacing_mm
+        grid::place(k, self.counts, self.spacing_mm)
     }
 
     /// Heights a row and a column.

@@ -2,6 +2,7 @@
 
 use super::{SceneError, out_of_range};
 use crate::curve::{List, number};
+use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::Arc;
 
@@ -89,4 +90,10 @@ pub(super) fn read<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     reader: D,
 ) -> Result<Arc<[T]>, D::Error> {
     List::<T, MOST>::deserialize(reader).map(|list| list.0.into())
+}
+
+/// Place of a node of a grid of columns and rows about its middle \[mm\].
+pub(super) fn place(k: usize, [columns, rows]: [usize; 2], spacing_mm: f64) -> DVec2 {
+    let at = DVec2::new((k % columns) as f64, (k / columns) as f64);
+    (at - 0.5 * DVec2::new((columns - 1) as f64, (rows - 1) as f64)) * spacing_mm
 }

@@ -162,3 +162,12 @@ fn smoothing_a_grid_with_gaps_is_said_and_keeps_planes() {
         "The heights of the chest are smoothed by 6 mm; they moved by up to 0.0 mm."
     );
 }
+
+#[test]
+fn smoothing_counts_what_it_moves_within_the_tissue() {
+    let spike = DVec2::splat(HALF);
+    let mut spiked = scene(HALF, |at| Some(if at == spike { 20.0 } else { 0.0 }));
+    spiked.chest_grid.as_mut().unwrap().grid.smooth_mm = 6.0;
+    let said = spiked.chest_warnings(&wall(&spiked));
+    assert!(said.iter().any(|line| line.ends_with("they moved by up to 0.0 mm.")), "{said:?}");
+}
