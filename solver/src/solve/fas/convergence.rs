@@ -102,7 +102,9 @@ pub(super) struct Convergence {
     last_product: f64,
     /// Convergence factors of the last two cycles without mixing \[-\], zero while unknown.
     unmixed_rates: [f64; 2],
-    /// Move of the surface of an implant that yields by the next step of its numbers \[mm\].
+    /// Move of the surface of an implant that yields under layers by the step of its numbers in this cycle \[mm\].
+    pub(super) moved: f64,
+    /// The same of any by the next step of its numbers \[mm\].
     pub(super) imbalance: f64,
     pub(super) ending: Ending,
 }
@@ -124,6 +126,7 @@ impl Convergence {
         updates: 0,
         last_product: 0.0,
         unmixed_rates: [0.0; 2],
+        moved: 0.0,
         imbalance: 0.0,
         ending: Ending::NONE,
     };
@@ -154,7 +157,8 @@ impl Convergence {
                 .max(one)
                 .max(two)
                 .clamp(least, parameters.max_convergence_factor);
-            is_slow = change > parameters.slow_factor * self.last_change;
+            // What the implant moves says nothing about the tissue's cycles.
+            is_slow = change - self.moved > parameters.slow_factor * self.last_change;
             self.slow_cycles = if is_slow { self.slow_cycles + 1 } else { 0 };
             self.was_slow |= is_slow;
             self.all_slow_cycles += u32::from(is_slow);

@@ -94,6 +94,7 @@ impl<M: ElasticModel> FullMultigrid<M> {
     /// Moves the numbers by a step towards the balance, on all grids.
     pub(super) fn yield_to_tissue(&mut self) {
         let change = self.convergence.last_change;
+        self.convergence.moved = 0.0;
         if self.yielded.as_mut().is_some_and(|yielded| yielded.waits(change)) {
             return;
         }
@@ -102,6 +103,10 @@ impl<M: ElasticModel> FullMultigrid<M> {
         let step = yielded.own.next_step(&work);
         yielded.own.advance(&step);
         yielded.moved = yielded.own.greatest_move(&step);
+        // Under a tight sheet steps that go too far are slow cycles: robust mode ends them.
+        if self.model.layers() > 1 {
+            self.convergence.moved = yielded.moved;
+        }
         let modes = yielded.own.modes;
         for (grid, level) in self.levels.iter_mut().enumerate() {
             if grid == self.grid {

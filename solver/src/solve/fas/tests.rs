@@ -2,7 +2,7 @@
 
 use super::convergence::Offsets;
 use super::*;
-use crate::contact::{Dome, HalfBall, Obstacle, Superellipse};
+use crate::contact::{Deformed, Dome, HalfBall, Obstacle, Superellipse};
 use crate::curve::CurveSpec;
 use crate::mesh::{Chest, NaturalStretch, Patch, Pocket, Rest, Sheet};
 use crate::model::layered::LayeredLaw;
@@ -118,5 +118,22 @@ fn another_shape_is_solved_as_by_newtons_method() {
         assert!(apart < 2.0 * problem.tolerance * dome.reference_length(), "{apart}");
         let touching = multigrid.positions().iter().filter(|x| dome.gauge(**x).abs() < 1e-6);
         assert!(touching.count() > 50);
+    }
+}
+
+/// What an implant that yields moves is no sign of slow cycles: nodal blocks are not renewed for it.
+#[test]
+fn an_implant_that_yields_leaves_the_mode_of_fast_cycles() {
+    for modulus_kpa in [44.0, 4.0] {
+        let mut problem = samples::layered_at_rest(65);
+        let shape = Deformed::at_rest(HalfBall::round(50.0, 40.0), modulus_kpa);
+        problem.obstacle = Obstacle::on_flat_wall(Dome::new(DVec2::ZERO, shape, 1.0));
+        let law = LayeredLaw::new(&problem.materials);
+        let (rest, patch) = (&problem.rest, &problem.patch);
+        let model = Layered::new(&law, rest, patch.pocket(), patch.attachment());
+        let mut scheme = FullMultigrid::new(65, problem.mirrored(), model, &LAYERED);
+        scheme.start(&problem, Stop::Tolerance, None);
+        while scheme.step() == State::Working {}
+        assert_eq!(scheme.mode, Mode::Fast, "{modulus_kpa}");
     }
 }

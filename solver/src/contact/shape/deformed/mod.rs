@@ -213,7 +213,8 @@ impl Geometry for Deformed<HalfBall> {
 
     /// The image of the axis at rest.
     fn axis(&self, height: f64) -> DVec2 {
-        let image = |at: f64| self.image(self.rest.axis(at).extend(at));
+        let map = self.map::<f64>();
+        let image = |at: f64| DVec3::from(map.image(self.rest.axis(at).extend(at).to_array()));
         let (mut below, mut above) = (0.0, self.rest.half_axes().z);
         for _ in 0..STEPS {
             let middle = 0.5 * (below + above);
