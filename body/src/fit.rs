@@ -9,6 +9,7 @@ use crate::field::Field;
 use crate::frame::Frame;
 use crate::grid::Grid;
 use crate::marks::{BodyAxes, Marks, MarksError, Side};
+use crate::pick::snap;
 use crate::quality::{Quality, Scan};
 use crate::raster::View;
 use crate::surface::Surface;
@@ -94,6 +95,8 @@ const BEYOND: usize = 2;
 const NEAR_MM: f64 = 100.0;
 /// Depth below the wall down to which sheets of the surface count as overhang \[mm\].
 const BELOW_WALL_MM: f64 = 2.0;
+/// Greatest distance of a mark from the surface without a word, and with one \[mm\]. A scan may end above the navel, which gives a direction alone.
+const OFF_SKIN_MM: (f64, f64) = (15.0, 60.0);
 /// Least number of data nodes.
 const LEAST_DATA: usize = 100;
 
@@ -134,6 +137,7 @@ fn fitted(
     let axes = marks.axes()?;
     let center = marks.implant_centre(side, settings.base_radius_mm)?;
     let (outwards, orientation) = mean_normal(surface, center, &axes).ok_or(FitError::NoSkin)?;
+    let off_skin = if has_limits { farthest_mark(surface, marks, side)? } else { None };
     let grid = Grid { half: NODES + BEYOND, spacing_mm: settings.patch_radius_mm / NODES as f64 };
     let welded = surface.weld();
     let subject = Subject { surface, welded: &welded, orientation, marks, side, settings, grid };
@@ -141,7 +145,8 @@ fn fitted(
         Frame::new(frame.origin, frame.direction(outwards), axes.head, side).ok_or(FitError::NoData)
     };
     let mut frame = Frame::new(center, outwards, axes.head, side).ok_or(FitError::NoSkin)?;
-    if marks.breast(side)?.implant_centre.is_none() {
+    let is_proposed = marks.breast(side)?.implant_centre.is_none();
+    if is_proposed {
         let middle = subject.heights(&frame)[grid.len() / 2];
         frame = frame.raised(if middle.is_finite() { middle } else { 0.0 });
     }
@@ -152,6 +157,9 @@ fn fitted(
     let (field, quadric) = subject.chest(&frame)?;
     let fields = Fields::new(&field, &quadric, settings);
     let quality = subject.quality(&frame, &field, &quadric, &fields)?;
+    let above_nipple = (center - marks.nipple(side)).dot(axes.head);
+    let above_nipple_mm = if is_proposed { above_nipple } else { 0.0 };
+    let quality = Quality { off_skin, above_nipple_mm, ..quality };
     if let Some(line) = quality.error().filter(|_| has_limits) {
         return Err(FitError::Limit(line));
     }
@@ -165,6 +173,35 @@ fn fitted(
     let thickness_mm = wall::thickness(grid, &skin_mm, &wall_mm).ok_or(FitError::NoData)?;
     let frame = frame.raised(raise);
     Ok(BodyFit { frame, grid, skin_mm, bare_mm, wall_mm, thickness_mm, quality })
+}
+
+/// The mark of a side that is farthest off the surface, and its distance \[mm\]; `None`: all lie on it.
+fn farthest_mark(
+    surface: &Surface,
+    marks: &Marks,
+    side: Side,
+) -> Result<Option<(String, f64)>, FitError> {
+    let nearest = |at: DVec3| {
+        let squares = surface.positions.iter().map(|place| place.distance_squared(at));
+        squares.fold(f64::INFINITY, f64::min).sqrt()
+    };
+    let (free, most) = OFF_SKIN_MM;
+    // The middle of a large triangle is far from its corners.
+    let distance = |at: DVec3| match nearest(at) {
+        near if near <= free => near,
+        near => snap(surface, at).map_or(near, |found| found.point.distance(at)),
+    };
+    let mut off: Vec<_> =
+        marks.named(side)?.into_iter().map(|(name, at)| (name, distance(at))).collect();
+    off.retain(|(_, distance)| *distance > free);
+    off.sort_by(|a, b| b.1.total_cmp(&a.1));
+    if let Some((name, off)) = off.iter().find(|(name, off)| *off > most && name != "navel") {
+        let line = format!(
+            "{name} is {off:.0} mm off the surface; allowed: up to {most} mm: check unit and marks"
+        );
+        return Err(FitError::Limit(line));
+    }
+    Ok(off.into_iter().next())
 }
 
 /// The mean unit normal of the surface within 100 mm of a point, and +1, or −1 for normals inwards; `None` without a surface there.

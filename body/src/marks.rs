@@ -269,6 +269,29 @@ impl Marks {
         self.nipples[side as usize]
     }
 
+    /// The marks that a side needs, with their names in a file; those of the navel and the notch last.
+    ///
+    /// # Errors
+    /// The breast has no marks.
+    pub(crate) fn named(&self, side: Side) -> Result<Vec<(String, DVec3)>, MarksError> {
+        let BreastMarks { fold, upper, medial, lateral, implant_centre } = *self.breast(side)?;
+        let nipple = self.nipple(side);
+        let own = [
+            ("nipple", nipple),
+            ("fold", fold),
+            ("upper", upper),
+            ("medial", medial),
+            ("lateral", lateral),
+        ];
+        let centre = implant_centre.map(|centre| ("implant_centre", centre));
+        let own = own.into_iter().chain(centre);
+        let common = [("sternal_notch", self.sternal_notch), ("navel", self.navel)];
+        Ok(own
+            .map(|(name, at)| (format!("{name}_{}", side.word()), at))
+            .chain(common.map(|(name, at)| (name.to_owned(), at)))
+            .collect())
+    }
+
     /// The body's axes: towards the head from navel to notch, across from the right to the left nipple without its part along the head.
     ///
     /// # Errors
@@ -291,6 +314,8 @@ impl Marks {
         let (word, outwards) = (side.word(), across * side.sign());
         let nipple = self.nipple(side);
         let is_after = |a: DVec3, b: DVec3, way: DVec3| (a - b).dot(way) > 0.0;
+        let middle = self.nipples[0].midpoint(self.nipples[1]);
+        let is_aside = |centre: DVec3| is_after(centre, middle, outwards);
         let wrong = [
             (
                 is_after(breast.upper, breast.fold, head),
@@ -310,6 +335,10 @@ impl Marks {
             (
                 is_after(breast.medial, breast.lateral, front),
                 format!("medial_{word} is behind lateral_{word}: left and right are exchanged"),
+            ),
+            (
+                breast.implant_centre.is_none_or(is_aside),
+                format!("implant_centre_{word} is on the other side of the midline"),
             ),
         ];
         match wrong.into_iter().find(|(is_right, _)| !is_right) {

@@ -46,6 +46,10 @@ pub struct Quality {
     pub pitch_degrees: f64,
     /// Are the surface's normals inwards, so that they were turned round?
     pub is_turned: bool,
+    /// The mark farthest off the surface, and its distance \[mm\]; `None`: all lie on it, within 15 mm.
+    pub off_skin: Option<(String, f64)>,
+    /// Height of a proposed centre of the implant above the nipple, along the body \[mm\]; of a marked one 0.
+    pub above_nipple_mm: f64,
 }
 
 /// A height field with its nodes.
@@ -156,6 +160,8 @@ mod limits {
     pub(super) const RESIDUAL_MM: f64 = 6.0;
     /// Volume in the breast's ellipse \[ml\].
     pub(super) const FOOTPRINT_ML: (f64, f64) = (30.0, 1500.0);
+    /// Greatest height of a proposed centre of the implant above the nipple \[mm\].
+    pub(super) const ABOVE_NIPPLE_MM: f64 = 15.0;
     /// Distance from notch to nipple \[mm\].
     pub(super) const NOTCH_NIPPLE_MM: (f64, f64) = (120.0, 400.0);
     /// Greatest overhang of the patch \[%\] and of air \[ml\].
@@ -167,6 +173,15 @@ impl Quality {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut found = Vec::new();
+        if let Some((mark, distance)) = &self.off_skin {
+            found.push(format!("{mark} is {distance:.0} mm off the skin: check the mark."));
+        }
+        if self.above_nipple_mm > limits::ABOVE_NIPPLE_MM {
+            found.push(format!(
+                "The implant's proposed centre is {:.0} mm above the nipple: move the implant down, or lower the fold.",
+                self.above_nipple_mm
+            ));
+        }
         let (share, most) = limits::SECTOR;
         let empty = self.sectors.iter().filter(|of| **of < share).count();
         if self.data_percent < limits::DATA_PERCENT || empty >= most {
@@ -227,7 +242,7 @@ impl Quality {
         }
         if self.open_pocket_percent > limits::OPEN_POCKET_PERCENT {
             return Some(format!(
-                "the scan ends inside of the operating field: {:.1} % of the pocket has no skin; allowed: {} %",
+                "the scan ends inside of the operating field: {:.1} % of the pocket has no skin; allowed: {} %: check scan and marks",
                 self.open_pocket_percent,
                 limits::OPEN_POCKET_PERCENT
             ));

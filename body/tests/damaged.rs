@@ -291,7 +291,7 @@ fn files_beyond_the_limits_are_rejected() {
     let _alone = ALONE.lock();
     assert_eq!(
         line_of(&vec![b' '; MAX_BYTES + 1], "a.ply"),
-        "the file has 100 MB; allowed: up to 100 MB"
+        "the file has 100.1 MB; allowed: up to 100 MB"
     );
     let ply = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty char x\nproperty char y\nproperty char z\n\
                element face 2000001\nproperty list uchar uchar vertex_indices\nend_header\n";

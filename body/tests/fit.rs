@@ -215,3 +215,31 @@ fn marks_and_surfaces_that_do_not_fit_are_one_line() {
     cut.triangles.retain(|triangle| surface.corners(*triangle).iter().all(|p| p.y > -60.0));
     assert!(line(&cut, &marks).starts_with("the scan ends inside of the operating field"));
 }
+
+/// A mark off the skin has a warning, far off an error; the navel may lie beyond the scan.
+#[test]
+fn marks_off_the_skin_are_named() {
+    let (surface, marks) = average();
+    let front = marks.axes().unwrap().front;
+    let moved = |mark: fn(&mut Marks) -> &mut DVec3, by: f64| {
+        let mut marks = marks;
+        *mark(&mut marks) += front * by;
+        fit(&surface, &marks, Side::Left, &Settings::default())
+    };
+    let nipple: fn(&mut Marks) -> &mut DVec3 = |marks| &mut marks.nipples[0];
+    assert!(moved(nipple, 12.0).unwrap().quality.off_skin.is_none());
+    let found = moved(nipple, 30.0).unwrap().quality.warnings();
+    assert!(found[0].starts_with("nipple_left is 29 mm off the skin: check"), "{found:?}");
+    let error = moved(nipple, 80.0).unwrap_err().to_string();
+    let words = " mm off the surface; allowed: up to 60 mm: check unit and marks";
+    assert!(error.starts_with("nipple_left is 7") && error.ends_with(words), "{error}");
+    let navel = moved(|marks| &mut marks.navel, 90.0).unwrap().quality.off_skin.unwrap();
+    assert_eq!(navel.0, "navel");
+
+    let mut other = marks;
+    let [_, Some(right)] = marks.breasts else { panic!("{marks:?}") };
+    other.breasts[0].as_mut().unwrap().implant_centre = Some(right.fold);
+    let error = fit(&surface, &other, Side::Left, &Settings::default()).unwrap_err();
+    let words = "marks in the wrong order: implant_centre_left is on the other side of the midline";
+    assert_eq!(error.to_string(), words);
+}

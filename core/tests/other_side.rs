@@ -12,7 +12,7 @@ use implant_preview_core::body::surface::Surface;
 use implant_preview_core::body::torso::{Torso, builtin};
 use implant_preview_core::clinical::{Measurements, SkinClass};
 use implant_preview_core::measure::Fields;
-use implant_preview_core::scene::{CheckedScene, Document, Scene, Side};
+use implant_preview_core::scene::{CheckedScene, ChestShape, Document, Scene, Side};
 use implant_preview_core::session::{Command, Session};
 use implant_preview_core::simulate::run;
 use implant_preview_core::solve::{Options, Progress};
@@ -168,6 +168,23 @@ fn each_side_is_solved_once_and_keeps_its_shape_when_the_sides_are_exchanged() {
     // One plan for both sides again.
     edit(&mut session, 7, |scene| scene.set_side(Some(Side::Both)));
     assert!(session.other_side().is_none() && !session.is_working());
+}
+
+/// The shape before stays while the side is solved again, but not on another body, whose skin it would tear.
+#[test]
+fn a_side_has_no_shape_of_another_body() {
+    let mut session = Session::new(scene()).unwrap();
+    solve(&mut session);
+    edit(&mut session, 1, |scene| {
+        let measured = Measurements { skin_class: Some(SkinClass::Lax), ..scene.measured() };
+        scene.apply_patient(measured).unwrap();
+    });
+    assert!(session.other_side().unwrap().fields().is_some());
+    edit(&mut session, 2, |scene| scene.set_chest(Some(ChestShape::ROUND)));
+    assert!(session.other_side().unwrap().fields().is_none());
+    solve(&mut session);
+    let other = session.other_side().unwrap();
+    assert!(other.outcome().is_some() && other.fields().is_some());
 }
 
 /// The shape of a pin's other side is that of the plan it was made of; of a file's pin it is solved once.

@@ -14,8 +14,8 @@ use crate::surface::Surface;
 pub use clean::Cleaned;
 pub use implant_preview_solver::export::Format;
 
-/// Greatest length of a file \[bytes\].
-pub const MAX_BYTES: usize = 100_000_000;
+/// Greatest length of a file \[bytes\]: as many triangles in binary STL.
+pub const MAX_BYTES: usize = 84 + 50 * MAX_TRIANGLES;
 /// Greatest number of triangles.
 pub const MAX_TRIANGLES: usize = 2_000_000;
 /// Greatest number of vertices: the corners of all triangles.
@@ -108,7 +108,8 @@ impl Read {
 /// No surface, damaged, or longer than [`MAX_BYTES`] or [`MAX_TRIANGLES`]; one line.
 pub fn read(bytes: &[u8], name: &str) -> Result<Read, Error> {
     if bytes.len() > MAX_BYTES {
-        let line = format!("the file has {} MB; allowed: up to 100 MB", bytes.len() / 1_000_000);
+        let tenths = bytes.len().div_ceil(100_000) as f64 / 10.0;
+        let line = format!("the file has {tenths} MB; allowed: up to 100 MB");
         return Err(Error(line));
     }
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);

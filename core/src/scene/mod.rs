@@ -284,6 +284,12 @@ impl Scene {
         self == other || self.physics() == other.physics()
     }
 
+    /// Does the scene lie on the same chest of the same body as another one?
+    pub(crate) fn has_body_of(&self, other: &Self) -> bool {
+        (self.chest, self.torso, &self.chest_grid, &self.placement)
+            == (other.chest, other.torso, &other.chest_grid, &other.placement)
+    }
+
     /// The scene without what its equilibrium does not depend on.
     fn physics(&self) -> Self {
         let mut scene = Self {

@@ -97,7 +97,9 @@ impl Session {
             let is_shown = self.is_shape_known() && !self.has_no_shape();
             is_shown.then(|| Rc::clone(self.fields()))
         } else {
-            before.and_then(|before| before.fields.clone())
+            // A shape on another body would tear the skin of this one.
+            let is_on_body = |before: &&OtherSide| before.scene.has_body_of(&other.scene);
+            before.filter(is_on_body).and_then(|before| before.fields.clone())
         };
         let is_other_problem = same.is_none();
         let before = self.other_side.replace(other).and_then(|before| before.fields);

@@ -121,10 +121,12 @@ fn choices(ui: &mut Ui, scene: &mut Scene) {
         Some(_) => tr("torso by a tape…"),
         None => tr("chest by its radii…"),
     };
-    let list = widgets::list(ui, "chest").width(150.0).selected_text(match scene.placement {
-        Some(_) => tr("hers, from the scan"),
-        None => name(present),
-    });
+    let selected = match (&scene.placement, &scene.chest_grid) {
+        (Some(_), _) => tr("hers, from the scan"),
+        (None, Some(_)) => tr("from a grid of heights"),
+        (None, None) => name(present),
+    };
+    let list = widgets::list(ui, "chest").width(150.0).selected_text(selected);
     let response = list
         .show_ui(ui, |ui| {
             for (word, chest, tooltip) in CHOICES {

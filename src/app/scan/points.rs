@@ -36,9 +36,10 @@ type Places = [Option<DVec3>; ALL];
 #[derive(Default)]
 pub(super) struct Points {
     at: Places,
-    before: Vec<Places>,
     /// Was a mark proposed, and has nobody looked at it?
     is_proposed: [bool; ALL],
+    /// Both before each step.
+    before: Vec<(Places, [bool; ALL])>,
 }
 
 /// The place of a mark among those of both sides.
@@ -125,7 +126,8 @@ impl Points {
 
     /// All places in another unit of length; the history too.
     pub(super) fn scale(&mut self, factor: f64) {
-        let places = std::iter::once(&mut self.at).chain(&mut self.before);
+        let before = self.before.iter_mut().map(|(at, _)| at);
+        let places = std::iter::once(&mut self.at).chain(before);
         places.flatten().flatten().for_each(|at| *at *= factor);
     }
 
@@ -133,7 +135,7 @@ impl Points {
         if self.before.len() == HISTORY {
             self.before.remove(0);
         }
-        self.before.push(self.at);
+        self.before.push((self.at, self.is_proposed));
     }
 
     pub(super) fn can_undo(&self) -> bool {
@@ -143,7 +145,7 @@ impl Points {
     /// Takes the last step back.
     pub(super) fn undo(&mut self) {
         if let Some(before) = self.before.pop() {
-            self.at = before;
+            (self.at, self.is_proposed) = before;
         }
     }
 
@@ -218,6 +220,10 @@ mod tests {
         assert!(points.proposed().iter().eq(marks::NAMES.iter().filter(|name| is_left(name))));
         points.set_all(&Marks { breasts: [marks.breasts[0], None], ..marks });
         assert_eq!(points.proposed(), ["upper_right", "medial_right", "lateral_right"]);
+        // Marks that are taken back are as unseen as before.
+        points.undo();
+        points.undo();
+        assert_eq!(points.proposed().len(), ALL - 2);
         assert!(Points::default().listed(Side::Right).eq(0..COUNT));
     }
 }

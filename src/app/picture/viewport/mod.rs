@@ -63,6 +63,8 @@ pub(crate) struct Viewport {
     camera: Camera,
     /// The ball to which the camera is fitted, and the view of it; `None` after the user has moved the camera.
     fitted: Option<(Ball, View)>,
+    /// What the camera saw of the last body: see [`Torso::seen`].
+    stood: Option<(Ball, Vec3, f32)>,
     is_placed: bool,
     aspect: f32,
     id: Option<egui::Id>,
@@ -165,6 +167,7 @@ impl Viewport {
             error: None,
             camera: Camera::new(90.0, 1.4),
             fitted: None,
+            stood: None,
             is_placed: false,
             aspect: 1.4,
             id: None,
@@ -208,10 +211,10 @@ impl Viewport {
 
     /// Shows the view elsewhere, with its camera. The view in the window stays as it is.
     pub(crate) fn aside<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
-        let place = (self.camera, self.fitted, self.is_placed, self.aspect, self.id);
+        let place = (self.camera, self.fitted, self.stood, self.is_placed, self.aspect, self.id);
         let (area, marks) = (self.area, std::mem::take(&mut self.marks));
         let shown = show(self);
-        (self.camera, self.fitted, self.is_placed, self.aspect, self.id) = place;
+        (self.camera, self.fitted, self.stood, self.is_placed, self.aspect, self.id) = place;
         (self.area, self.marks) = (area, marks);
         shown
     }

@@ -14,7 +14,7 @@ const KEY_ORBIT: f32 = 14.0;
 const CLEARANCE_MM: f32 = 50.0;
 
 impl Viewport {
-    /// Fits the camera in its standard view to a new aspect ratio, unless the user has moved the camera. On paper it has a standard pose.
+    /// Fits the camera in its standard view to a new aspect ratio or body, unless the user has moved the camera. On paper it has a standard pose.
     pub(super) fn place_camera(
         &mut self,
         ball: Ball,
@@ -25,7 +25,9 @@ impl Viewport {
         if !self.is_placed {
             self.fitted = Some((ball, self.fitted.map_or(View::All, |(_, view)| view)));
         }
-        let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4;
+        let is_other_body =
+            torso.is_some_and(|torso| self.stood.replace(torso.seen()) != Some(torso.seen()));
+        let reformed = !self.is_placed || (aspect - self.aspect).abs() > 1e-4 || is_other_body;
         if let Some((ball, view)) = self.fitted.filter(|_| reformed && !self.camera.is_easing()) {
             self.camera = match torso.zip(pose_of(view)) {
                 Some((torso, pose)) => standing(torso, aspect, pose),
