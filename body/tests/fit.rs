@@ -243,3 +243,21 @@ fn marks_off_the_skin_are_named() {
     let words = "marks in the wrong order: implant_centre_left is on the other side of the midline";
     assert_eq!(error.to_string(), words);
 }
+
+/// A proposed centre far above the nipple has a warning, a marked one none.
+#[test]
+fn a_proposed_centre_above_the_nipple_is_named() {
+    let (surface, mut marks) = average();
+    let centre = marks.breasts[0].as_mut().unwrap().implant_centre.take();
+    let settings = Settings { base_radius_mm: 85.0, ..Settings::default() };
+    let found = fit(&surface, &marks, Side::Left, &settings).unwrap().quality;
+    let proposed = marks.implant_centre(Side::Left, 85.0).unwrap();
+    let above = (proposed - marks.nipples[0]).dot(marks.axes().unwrap().head);
+    assert!(above > 15.0 && (found.above_nipple_mm - above).abs() < 1e-9, "{above}");
+    let words = format!("The implant's proposed centre is {above:.0} mm above the nipple");
+    assert!(found.warnings()[0].starts_with(&words), "{:?}", found.warnings());
+    assert_eq!(fitted(&surface, &marks, Side::Left).quality.warnings(), [""; 0]);
+    marks.breasts[0].as_mut().unwrap().implant_centre = centre;
+    let marked = fit(&surface, &marks, Side::Left, &settings).unwrap().quality;
+    assert!(marked.warnings().is_empty() && marked.above_nipple_mm <= 0.0);
+}
