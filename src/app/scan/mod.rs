@@ -82,7 +82,7 @@ impl Scan {
         let dot = |mark: usize| {
             let at = self.points.get(mark, self.side)?;
             let at = self.drawn.frame().local(at).as_vec3();
-            let (name, label) = points::name(mark);
+            let (name, label) = points::name(mark, self.side);
             Some(Dot { at, name, label, is_chosen: mark == self.chosen })
         };
         self.points.listed(self.side).filter_map(dot).collect()

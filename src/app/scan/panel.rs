@@ -136,7 +136,7 @@ impl Scan {
                 if self.points.get(self.chosen, self.side).is_some() {
                     self.chosen = mark;
                 }
-                tr!("Click on her body: {mark}.", mark = points::name(self.chosen).0)
+                tr!("Click on her body: {mark}.", mark = points::name(self.chosen, self.side).0)
             }
             None if self.listed().any(|mark| self.points.is_proposed(mark, self.side)) => {
                 tr("The marks with a question mark are proposed: click on each, drag those that are off.")
@@ -155,7 +155,7 @@ impl Scan {
         let mut chosen = None;
         chips(ui, |ui| {
             for mark in self.listed() {
-                let (name, word) = points::name(mark);
+                let (name, word) = points::name(mark, self.side);
                 let is_proposed = self.points.is_proposed(mark, self.side);
                 let text = match self.points.get(mark, self.side) {
                     None => format!("{word} …"),

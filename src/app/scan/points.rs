@@ -14,7 +14,7 @@ const OF_BREAST: usize = 4;
 const HISTORY: usize = 200;
 
 /// Names of the marks, and the words beside them, in the order in which they are asked for.
-const NAMES: [(&str, &str); ALL] = [
+const NAMES: [(&str, &str); COUNT] = [
     ("Sternal notch", "notch"),
     ("Navel", "navel"),
     ("Left nipple", "left nipple"),
@@ -23,10 +23,17 @@ const NAMES: [(&str, &str); ALL] = [
     ("Upper end of the breast", "upper"),
     ("End towards the midline", "inner"),
     ("End towards the flank", "outer"),
-    ("Other breast: fold, lowest point", "other fold"),
-    ("Other breast: upper end", "other upper"),
-    ("Other breast: end towards the midline", "other inner"),
-    ("Other breast: end towards the flank", "other outer"),
+];
+/// The same of the left and of the right breast while it is the other one.
+const OF_OTHER: [(&str, &str); 2 * OF_BREAST] = [
+    ("Left breast: fold, lowest point", "left fold"),
+    ("Left breast: upper end", "left upper"),
+    ("Left breast: end towards the midline", "left inner"),
+    ("Left breast: end towards the flank", "left outer"),
+    ("Right breast: fold, lowest point", "right fold"),
+    ("Right breast: upper end", "right upper"),
+    ("Right breast: end towards the midline", "right inner"),
+    ("Right breast: end towards the flank", "right outer"),
 ];
 
 /// Places of the marks \[mm\], in the axes of the surface: notch, navel, nipples, then those of the left and of the right breast.
@@ -57,8 +64,9 @@ pub(super) fn of_other_side(mark: usize) -> usize {
 }
 
 /// The name of a mark, and the word beside it.
-pub(super) fn name(mark: usize) -> (&'static str, &'static str) {
-    let (name, word) = NAMES[mark];
+pub(super) fn name(mark: usize, side: Side) -> (&'static str, &'static str) {
+    let of_other = || OF_OTHER[index(mark, side) - (COUNT - OF_BREAST)];
+    let (name, word) = NAMES.get(mark).copied().unwrap_or_else(of_other);
     (tr(name), tr(word))
 }
 
@@ -223,7 +231,9 @@ mod tests {
         // Marks that are taken back are as unseen as before.
         points.undo();
         points.undo();
-        assert_eq!(points.proposed().len(), ALL - 2);
+        assert_eq!(points.proposed().len(), ALL - 1);
         assert!(Points::default().listed(Side::Right).eq(0..COUNT));
+        let words = [Side::Left, Side::Right].map(|side| [7, 8].map(|mark| name(mark, side).1));
+        assert_eq!(words, [["outer", "right fold"], ["outer", "left fold"]]);
     }
 }
