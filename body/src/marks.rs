@@ -92,8 +92,8 @@ pub const NAMES: [&str; 12] = [
 ];
 /// Greatest coordinate of a mark.
 const GREATEST: f64 = 1e7;
-/// Distance of the implant's lower edge from the fold in a proposed plan \[mm\].
-const ABOVE_FOLD_MM: f64 = 5.0;
+/// Least and greatest height of the implant's lower edge over the fold in a proposed plan \[mm\].
+const EDGE_ABOVE_FOLD_MM: [f64; 2] = [-14.0, 5.0];
 
 type Point = Option<[f64; 3]>;
 
@@ -347,8 +347,9 @@ impl Marks {
         }
     }
 
-    /// Centre of the implant: marked, or proposed 5 mm and a base radius \[mm\] above the fold on the middle of the breast's width, on no
-    /// surface.
+    /// Centre of the implant: marked, or proposed on the middle of the breast's width as high as the nipple, on no surface. The lower
+    /// edge of its base then lies at most 5 mm above the fold, and at most 14 mm below it: by so much folds drop within six months (Eder, J Plast
+    /// Reconstr Aesthet Surg, 2011).
     ///
     /// # Errors
     /// The breast has no marks.
@@ -359,8 +360,10 @@ impl Marks {
         }
         let BodyAxes { across, head, front } = self.axes()?;
         let middle = 0.5 * (breast.medial + breast.lateral);
-        let height = (breast.fold.dot(head)) + ABOVE_FOLD_MM + base_radius_mm;
-        let depth = self.nipple(side).dot(front).max(middle.dot(front));
+        let (nipple, fold) = (self.nipple(side), breast.fold.dot(head));
+        let [least, most] = EDGE_ABOVE_FOLD_MM.map(|edge| fold + edge + base_radius_mm);
+        let height = nipple.dot(head).clamp(least, most);
+        let depth = nipple.dot(front).max(middle.dot(front));
         Ok(across * middle.dot(across) + head * height + front * depth)
     }
 
@@ -389,14 +392,16 @@ mod tests {
         assert_eq!(Marks::from_json(&text), Ok(marks));
         let axes = marks.axes().unwrap();
         assert!(axes.across.distance(DVec3::X) < 1e-12 && axes.front.z > 0.9);
-        // Proposed 65 mm above the fold along the head's axis, as far forward as the nipple.
-        let centre = marks.implant_centre(Side::Left, 60.0).unwrap();
-        let fold = marks.breasts[0].unwrap().fold;
-        assert!(((centre - fold).dot(axes.head) - 65.0).abs() < 1e-9);
-        assert!(
-            (centre.x - 82.0).abs() < 1e-9
-                && (centre - marks.nipples[0]).dot(axes.front).abs() < 1e-9
-        );
+        // Proposed as high and as far forward as the nipple, with an edge near the fold.
+        let (fold, nipple) = (marks.breasts[0].unwrap().fold, marks.nipples[0]);
+        let of_nipple = (nipple - fold).dot(axes.head);
+        assert!((36.0..37.0).contains(&of_nipple), "{of_nipple}");
+        for (base_radius_mm, above_fold) in [(40.0, of_nipple), (30.0, 35.0), (60.0, 46.0)] {
+            let centre = marks.implant_centre(Side::Left, base_radius_mm).unwrap();
+            assert!(((centre - fold).dot(axes.head) - above_fold).abs() < 1e-9, "{above_fold}");
+            assert!((centre.x - 82.0).abs() < 1e-9);
+            assert!((centre - nipple).dot(axes.front).abs() < 1e-9);
+        }
         let distance = marks.scaled(0.1).notch_nipple(Side::Left);
         assert!((10.0 * distance - marks.notch_nipple(Side::Left)).abs() < 1e-9);
     }

@@ -16,6 +16,8 @@ use glam::{DVec2, DVec3};
 
 /// Radius of the fit's patch \[mm\].
 const PATCH_MM: f64 = 130.0;
+/// Base radius whose proposed centre, 65 mm above the fold and so above the nipple, is the origin of the mound's frame \[mm\].
+const FRAME_RADIUS_MM: f64 = 79.0;
 /// Depth below the bare chest in which the skin ceases to follow the mound across \[mm\].
 const BELOW_MM: f64 = 30.0;
 /// The mound ends between these multiples of the breast's half widths \[-\].
@@ -144,7 +146,11 @@ struct Shape {
 impl Mound {
     fn new(torso: &Torso) -> Result<Self, FitError> {
         let Torso { surface, marks } = torso;
-        let settings = Settings { patch_radius_mm: PATCH_MM, ..Settings::default() };
+        let settings = Settings {
+            patch_radius_mm: PATCH_MM,
+            base_radius_mm: FRAME_RADIUS_MM,
+            ..Settings::default()
+        };
         let fit = fit::fit(surface, marks, Side::Left, &settings)?;
         let breast = marks.breast(Side::Left)?;
         let place = |point: DVec3| fit.frame.local(point).truncate();

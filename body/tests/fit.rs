@@ -249,9 +249,9 @@ fn marks_off_the_skin_are_named() {
 fn a_proposed_centre_above_the_nipple_is_named() {
     let (surface, mut marks) = average();
     let centre = marks.breasts[0].as_mut().unwrap().implant_centre.take();
-    let settings = Settings { base_radius_mm: 85.0, ..Settings::default() };
+    let settings = Settings { base_radius_mm: 105.0, ..Settings::default() };
     let found = fit(&surface, &marks, Side::Left, &settings).unwrap().quality;
-    let proposed = marks.implant_centre(Side::Left, 85.0).unwrap();
+    let proposed = marks.implant_centre(Side::Left, 105.0).unwrap();
     let above = (proposed - marks.nipples[0]).dot(marks.axes().unwrap().head);
     assert!(above > 15.0 && (found.above_nipple_mm - above).abs() < 1e-9, "{above}");
     let words = format!("The implant's proposed centre is {above:.0} mm above the nipple");
