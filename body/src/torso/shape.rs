@@ -1,0 +1,220 @@
+//! The mound of the built-in torso's breast, moved and stretched to a tape's numbers.
+
+use super::{Tape, Torso, chest_width};
+use crate::chest::solved;
+use crate::fit::{self, BodyFit, FitError, Settings};
+use crate::grid::smooth_step;
+use crate::marks::Side;
+use glam::{DVec2, DVec3};
+
+/// Radius of the fit's patch \[mm\].
+const PATCH_MM: f64 = 130.0;
+/// Base radius whose proposed centre, 65 mm above the fold and so above the nipple, is the origin of the mound's frame \[mm\].
+const FRAME_RADIUS_MM: f64 = 79.0;
+/// Depth below the bare chest in which the skin ceases to follow the mound across \[mm\].
+const BELOW_MM: f64 = 30.0;
+/// The mound ends between these multiples of the breast's half widths \[-\].
+const END: [f64; 2] = [1.15, 1.8];
+/// Way from the midline over which the skin comes to move across \[mm\].
+const MIDLINE_MM: f64 = 35.0;
+/// Greatest move of the breast's medial end to the midline \[mm\]: the skin between keeps 15 % of its width, of 26 mm only 0.7 %.
+const MEDIAL_MM: f64 = 12.0;
+/// Iterations of Newton's method.
+const ROUNDS: usize = 30;
+/// Greatest change of a number in an iteration, change for its derivatives, difference that ends the iteration \[mm\].
+const STEP_MM: f64 = 15.0;
+const DIFFERENCE_MM: f64 = 3.0;
+pub(super) const NEAR_MM: f64 = 0.1;
+/// Length that stands for a stretch by e \[mm\].
+const LOG_MM: f64 = 100.0;
+/// Ranges of the numbers of [`Shape::of`]: no triangle turns over within.
+const RANGES_MM: [[f64; 2]; 3] = [[-12.0, 15.0], [-15.0, 15.0], [-120.0, 50.0]];
+/// Points of the way from nipple to fold.
+const POINTS: u32 = 48;
+
+/// The places of a breast's marks in the plane of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct Places {
+    pub(super) nipple: DVec2,
+    pub(super) fold: DVec2,
+    pub(super) upper: DVec2,
+    pub(super) medial: DVec2,
+    pub(super) lateral: DVec2,
+}
+
+/// The mound of the left breast over the bare chest.
+pub(super) struct Mound {
+    fit: BodyFit,
+    pub(super) at: Places,
+    /// Middle and half widths of the breast \[mm\].
+    center: DVec2,
+    half: DVec2,
+}
+
+/// A mound's shape: the given mound, moved across, stretched and scaled.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    /// Move of the breast away from the midline \[mm\].
+    aside: f64,
+    /// Stretches across and of the height \[-\].
+    across: f64,
+    height: f64,
+}
+
+impl Mound {
+    pub(super) fn new(torso: &Torso) -> Result<Self, FitError> {
+        let Torso { surface, marks } = torso;
+        let settings = Settings {
+            patch_radius_mm: PATCH_MM,
+            base_radius_mm: FRAME_RADIUS_MM,
+            ..Settings::default()
+        };
+        let fit = fit::fit(surface, marks, Side::Left, &settings)?;
+        let breast = marks.breast(Side::Left)?;
+        let place = |point: DVec3| fit.frame.local(point).truncate();
+        let at = Places {
+            nipple: place(marks.nipple(Side::Left)),
+            fold: place(breast.fold),
+            upper: place(breast.upper),
+            medial: place(breast.medial),
+            lateral: place(breast.lateral),
+        };
+        let center = 0.5 * DVec2::new(at.medial.x + at.lateral.x, at.upper.y + at.fold.y);
+        let half = 0.5 * DVec2::new(at.lateral.x - at.medial.x, at.upper.y - at.fold.y);
+        Ok(Self { fit, at, center, half })
+    }
+
+    /// How far a place belongs to the breast, from 1 within to 0 far away \[-\].
+    fn share(&self, place: DVec2) -> f64 {
+        let far = ((place - self.center) / self.half).length();
+        smooth_step((END[1] - far) / (END[1] - END[0]))
+    }
+
+    /// The place of the frame, and the height over the bare chest, of a place and a height of the given mound.
+    fn moved(&self, shape: &Shape, place: DVec2, height_mm: f64) -> (DVec2, f64) {
+        let share = self.share(place);
+        // Beside the breast the skin moves as its ends do, at the midline it stays.
+        let Places { nipple, medial, lateral, .. } = self.at;
+        let beside = place.x.clamp(medial.x, lateral.x) - nipple.x;
+        let across = self.fit.frame.point(place.extend(self.bare(place))).x;
+        // What the medial end does not move, the breast between it and the nipple is narrower by.
+        let to_medial = medial.x - nipple.x;
+        let inwards = (shape.aside + (shape.across - 1.0) * to_medial).max(-MEDIAL_MM);
+        let stretch = match beside < 0.0 {
+            true => (inwards - shape.aside) / to_medial,
+            false => shape.across - 1.0,
+        };
+        let aside = shape.aside + stretch * beside;
+        let way = DVec2::new(aside * share * smooth_step(across / MIDLINE_MM), 0.0);
+        (place + way, height_mm * (1.0 + (shape.height - 1.0) * share))
+    }
+
+    /// Height of the bare chest at a place \[mm\].
+    fn bare(&self, place: DVec2) -> f64 {
+        self.fit.grid.value(&self.fit.bare_mm, place)
+    }
+
+    /// The point of the shaped skin, of a place of the given mound, in the surface's coordinates.
+    pub(super) fn point(&self, shape: &Shape, place: DVec2) -> DVec3 {
+        let skin = self.fit.grid.value(&self.fit.skin_mm, place);
+        let (place, height) = self.moved(shape, place, skin - self.bare(place));
+        self.fit.frame.point(place.extend(self.bare(place) + height))
+    }
+
+    /// Volume between shaped skin and bare chest, in the breast's ellipse \[ml\].
+    fn volume(&self, shape: &Shape) -> f64 {
+        let (grid, side) = (self.fit.grid, self.fit.grid.side());
+        let is_within = |place: DVec2| ((place - self.center) / self.half).length() <= END[0];
+        let corner = |node: usize| {
+            let height = (self.fit.skin_mm[node] - self.fit.bare_mm[node]).max(0.0);
+            self.moved(shape, grid.place(node), height)
+        };
+        let nodes = (0..grid.len() - side).filter(|node| (node + 1) % side != 0);
+        let cell = |node: usize| {
+            let [a, b, c, d] = [node, node + 1, node + side + 1, node + side].map(corner);
+            let area = 0.5 * (c.0 - a.0).perp_dot(d.0 - b.0);
+            0.25 * area * (a.1 + b.1 + c.1 + d.1)
+        };
+        nodes.filter(|&node| is_within(grid.place(node))).map(cell).sum::<f64>() / 1000.0
+    }
+
+    /// What a tape measures on a shape, with the chest's width of the torso.
+    pub(super) fn tape(&self, shape: &Shape, torso: &Torso) -> Tape {
+        let at = |place: DVec2| self.point(shape, place);
+        let [nipple, medial, lateral] = [self.at.nipple, self.at.medial, self.at.lateral].map(at);
+        let (from, to) = (self.at.nipple, self.at.fold);
+        let along = |k: u32| at(from.lerp(to, f64::from(k) / f64::from(POINTS)));
+        Tape {
+            chest_width_mm: chest_width(torso),
+            breast_width_mm: medial.distance(lateral),
+            notch_nipple_mm: torso.marks.sternal_notch.distance(nipple),
+            nipple_fold_mm: (0..POINTS).map(|k| along(k).distance(along(k + 1))).sum(),
+            nipple_nipple_mm: 2.0 * nipple.x,
+            breast_volume_ml: self.volume(shape),
+        }
+    }
+
+    /// The shape that has a tape's widths and volume, by Newton's method within [`RANGES_MM`].
+    pub(super) fn shaped(&self, tape: &Tape, torso: &Torso) -> Shape {
+        let numbers_of = |tape: &Tape| {
+            [
+                tape.nipple_nipple_mm,
+                tape.breast_width_mm,
+                LOG_MM * tape.breast_volume_ml.max(1.0).ln(),
+            ]
+        };
+        let measured = |numbers| numbers_of(&self.tape(&Shape::of(numbers), torso));
+        let asked = numbers_of(tape);
+        let mut numbers = [0.0; 3];
+        for _ in 0..ROUNDS {
+            let now = measured(numbers);
+            let missing = [0, 1, 2].map(|row| asked[row] - now[row]);
+            if missing.iter().all(|missing| missing.abs() < NEAR_MM) {
+                break;
+            }
+            let columns = [0, 1, 2].map(|k| {
+                let mut ahead = numbers;
+                ahead[k] += DIFFERENCE_MM;
+                let after = measured(ahead);
+                [0, 1, 2].map(|row| (after[row] - now[row]) / DIFFERENCE_MM)
+            });
+            let matrix = [0, 1, 2].map(|row| columns.map(|column| column[row]));
+            let Some(step) = solved(matrix, missing) else { break };
+            let mut moved = 0.0_f64;
+            for (k, (number, step)) in numbers.iter_mut().zip(step).enumerate() {
+                let [least, most] = RANGES_MM[k];
+                let after = (*number + step.clamp(-STEP_MM, STEP_MM)).clamp(least, most);
+                moved = moved.max((after - *number).abs());
+                *number = after;
+            }
+            if moved <= 0.0 {
+                break;
+            }
+        }
+        Shape::of(numbers)
+    }
+
+    /// A vertex of the surface under another shape of the mound.
+    pub(super) fn vertex(&self, shape: &Shape, at: DVec3) -> DVec3 {
+        let local = self.fit.frame.local(at);
+        let place = local.truncate();
+        let height = local.z - self.bare(place);
+        if self.share(place) == 0.0 {
+            return at;
+        }
+        // Skin of the flank and of the arm lies below and stays.
+        let part = smooth_step((height + BELOW_MM) / BELOW_MM);
+        let (to, raised) = self.moved(shape, place, height.max(0.0));
+        let way = (to - place) * part;
+        let rise = (raised - height.max(0.0)) * part + self.bare(place + way) - self.bare(place);
+        at + self.fit.frame.direction(way.extend(rise))
+    }
+}
+
+impl Shape {
+    /// Of a move, and of logarithms of stretches times [`LOG_MM`] \[mm\].
+    pub(super) fn of([aside, across, height]: [f64; 3]) -> Self {
+        let [across, height] = [across, height].map(|log| (log / LOG_MM).exp());
+        Self { aside, across, height }
+    }
+}
