@@ -51,7 +51,7 @@ fn tape(random: &mut fastrand::Rng) -> Tape {
         chest_width_mm: between(235.0, 300.0),
         breast_width_mm: between(120.0, 145.0),
         notch_nipple_mm: between(186.0, 231.0),
-        nipple_fold_mm: 80.0,
+        nipple_fold_mm: None,
         nipple_nipple_mm: between(193.7, 233.7),
         breast_volume_ml: between(150.0, 450.0),
     }

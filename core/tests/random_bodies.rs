@@ -34,7 +34,7 @@ fn body(random: &mut fastrand::Rng) -> (Torso, Side, f64) {
         chest_width_mm: between(235.0, 300.0),
         breast_width_mm: between(120.0, 145.0),
         notch_nipple_mm: between(190.0, 235.0),
-        nipple_fold_mm: 80.0,
+        nipple_fold_mm: None,
         nipple_nipple_mm: between(195.0, 235.0),
         breast_volume_ml: between(150.0, 450.0),
     };

@@ -191,6 +191,16 @@ fn marks_are_clicked_moved_by_keys_and_taken_back() {
     assert_eq!(scene(&harness), flat_plan());
 }
 
+/// Chooses a view by the list of commands.
+fn view(harness: &mut Screen, pose: &str) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    harness.run();
+    harness.event(egui::Event::Text(pose.to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+}
+
 #[test]
 fn a_standard_view_frames_the_scan_while_it_gets_its_marks() {
     let mut harness = screen(DESKTOP);
@@ -198,14 +208,26 @@ fn a_standard_view_frames_the_scan_while_it_gets_its_marks() {
     drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
     let notch = |harness: &Screen| button(harness, "Sternal notch").rect().center();
     let front = notch(&harness);
-    for (view, is_front) in [("Side", false), ("Front", true)] {
-        harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    for (pose, is_front) in [("Side", false), ("Front", true)] {
+        view(&mut harness, pose);
+        assert_eq!(notch(&harness).distance(front) < 1.0, is_front, "{pose}");
+    }
+}
+
+/// From the left side her right nipple is hidden.
+#[test]
+fn a_mark_out_of_sight_turns_the_body_when_it_is_chosen() {
+    let mut harness = screen(DESKTOP);
+    drop_file(&mut harness, marks(Unit::Mm), "open its scan");
+    drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
+    let notch = |harness: &Screen| button(harness, "Sternal notch").rect().center();
+    let front = notch(&harness);
+    view(&mut harness, "Side");
+    let aside = notch(&harness);
+    for (mark, place) in [("left nipple", aside), ("right nipple", front)] {
+        button(&harness, mark).click();
         harness.run();
-        harness.event(egui::Event::Text(view.to_owned()));
-        harness.run();
-        harness.key_press(Key::Enter);
-        harness.run();
-        assert_eq!(notch(&harness).distance(front) < 1.0, is_front, "{view}");
+        assert!(notch(&harness).distance(place) < 1.0, "{mark}");
     }
 }
 

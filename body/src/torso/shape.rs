@@ -28,7 +28,7 @@ pub(super) const NEAR_MM: f64 = 0.1;
 /// Length that stands for a stretch by e \[mm\].
 const LOG_MM: f64 = 100.0;
 /// Ranges of the numbers of [`Shape::of`]: no triangle turns over within.
-const RANGES_MM: [[f64; 2]; 3] = [[-12.0, 15.0], [-15.0, 15.0], [-120.0, 50.0]];
+const RANGES_MM: [[f64; 2]; 4] = [[-12.0, 15.0], [-15.0, 15.0], [-120.0, 50.0], [-24.0, 24.0]];
 /// Points of the way from nipple to fold.
 const POINTS: u32 = 48;
 
@@ -59,6 +59,8 @@ pub(super) struct Shape {
     /// Stretches across and of the height \[-\].
     across: f64,
     height: f64,
+    /// Move of the fold away from the nipple \[mm\].
+    lowered: f64,
 }
 
 impl Mound {
@@ -94,7 +96,7 @@ impl Mound {
     fn moved(&self, shape: &Shape, place: DVec2, height_mm: f64) -> (DVec2, f64) {
         let share = self.share(place);
         // Beside the breast the skin moves as its ends do, at the midline it stays.
-        let Places { nipple, medial, lateral, .. } = self.at;
+        let Places { nipple, fold, medial, lateral, .. } = self.at;
         let beside = place.x.clamp(medial.x, lateral.x) - nipple.x;
         let across = self.fit.frame.point(place.extend(self.bare(place))).x;
         // What the medial end does not move, the breast between it and the nipple is narrower by.
@@ -105,8 +107,12 @@ impl Mound {
             false => shape.across - 1.0,
         };
         let aside = shape.aside + stretch * beside;
-        let way = DVec2::new(aside * share * smooth_step(across / MIDLINE_MM), 0.0);
-        (place + way, height_mm * (1.0 + (shape.height - 1.0) * share))
+        let to_fold = smooth_step((nipple.y - place.y) / (nipple.y - fold.y));
+        let to_side = aside * share * smooth_step(across / MIDLINE_MM);
+        (
+            place + DVec2::new(to_side, -shape.lowered * share * to_fold),
+            height_mm * (1.0 + (shape.height - 1.0) * share),
+        )
     }
 
     /// Height of the bare chest at a place \[mm\].
@@ -148,50 +154,30 @@ impl Mound {
             chest_width_mm: chest_width(torso),
             breast_width_mm: medial.distance(lateral),
             notch_nipple_mm: torso.marks.sternal_notch.distance(nipple),
-            nipple_fold_mm: (0..POINTS).map(|k| along(k).distance(along(k + 1))).sum(),
+            nipple_fold_mm: Some((0..POINTS).map(|k| along(k).distance(along(k + 1))).sum()),
             nipple_nipple_mm: 2.0 * nipple.x,
             breast_volume_ml: self.volume(shape),
         }
     }
 
-    /// The shape that has a tape's widths and volume, by Newton's method within [`RANGES_MM`].
+    /// The shape that has a tape's widths, volume and, where it has one, way to the fold.
     pub(super) fn shaped(&self, tape: &Tape, torso: &Torso) -> Shape {
-        let numbers_of = |tape: &Tape| {
-            [
-                tape.nipple_nipple_mm,
-                tape.breast_width_mm,
-                LOG_MM * tape.breast_volume_ml.max(1.0).ln(),
-            ]
+        let of = |tape: &Tape| {
+            let volume = LOG_MM * tape.breast_volume_ml.max(1.0).ln();
+            [tape.nipple_nipple_mm, tape.breast_width_mm, volume]
         };
-        let measured = |numbers| numbers_of(&self.tape(&Shape::of(numbers), torso));
-        let asked = numbers_of(tape);
-        let mut numbers = [0.0; 3];
-        for _ in 0..ROUNDS {
-            let now = measured(numbers);
-            let missing = [0, 1, 2].map(|row| asked[row] - now[row]);
-            if missing.iter().all(|missing| missing.abs() < NEAR_MM) {
-                break;
-            }
-            let columns = [0, 1, 2].map(|k| {
-                let mut ahead = numbers;
-                ahead[k] += DIFFERENCE_MM;
-                let after = measured(ahead);
-                [0, 1, 2].map(|row| (after[row] - now[row]) / DIFFERENCE_MM)
-            });
-            let matrix = [0, 1, 2].map(|row| columns.map(|column| column[row]));
-            let Some(step) = solved(matrix, missing) else { break };
-            let mut moved = 0.0_f64;
-            for (k, (number, step)) in numbers.iter_mut().zip(step).enumerate() {
-                let [least, most] = RANGES_MM[k];
-                let after = (*number + step.clamp(-STEP_MM, STEP_MM)).clamp(least, most);
-                moved = moved.max((after - *number).abs());
-                *number = after;
-            }
-            if moved <= 0.0 {
-                break;
-            }
-        }
-        Shape::of(numbers)
+        let found = |numbers| self.tape(&Shape::of(numbers), torso);
+        let [aside, across, height] = of(tape);
+        let Some(fold) = tape.nipple_fold_mm else {
+            let [aside, across, height] =
+                found_numbers([aside, across, height], |[a, b, c]| of(&found([a, b, c, 0.0])));
+            return Shape::of([aside, across, height, 0.0]);
+        };
+        Shape::of(found_numbers([aside, across, height, fold], |numbers| {
+            let found = found(numbers);
+            let [aside, across, height] = of(&found);
+            [aside, across, height, found.nipple_fold_mm.unwrap_or(fold)]
+        }))
     }
 
     /// A vertex of the surface under another shape of the mound.
@@ -212,9 +198,43 @@ impl Mound {
 }
 
 impl Shape {
-    /// Of a move, and of logarithms of stretches times [`LOG_MM`] \[mm\].
-    pub(super) fn of([aside, across, height]: [f64; 3]) -> Self {
+    /// Of a move, of logarithms of stretches times [`LOG_MM`], and of the fold's move \[mm\].
+    pub(super) fn of([aside, across, height, lowered]: [f64; 4]) -> Self {
         let [across, height] = [across, height].map(|log| (log / LOG_MM).exp());
-        Self { aside, across, height }
+        Self { aside, across, height, lowered }
     }
+}
+
+/// Numbers of [`Shape::of`] with the measures that are asked for, by Newton's method within [`RANGES_MM`].
+fn found_numbers<const N: usize>(
+    asked: [f64; N],
+    measured: impl Fn([f64; N]) -> [f64; N],
+) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    for _ in 0..ROUNDS {
+        let now = measured(numbers);
+        let missing: [f64; N] = std::array::from_fn(|row| asked[row] - now[row]);
+        if missing.iter().all(|missing| missing.abs() < NEAR_MM) {
+            break;
+        }
+        let columns: [[f64; N]; N] = std::array::from_fn(|k| {
+            let mut ahead = numbers;
+            ahead[k] += DIFFERENCE_MM;
+            let after = measured(ahead);
+            std::array::from_fn(|row| (after[row] - now[row]) / DIFFERENCE_MM)
+        });
+        let matrix = std::array::from_fn(|row| columns.map(|column| column[row]));
+        let Some(step) = solved(matrix, missing) else { break };
+        let mut moved = 0.0_f64;
+        for (k, (number, step)) in numbers.iter_mut().zip(step).enumerate() {
+            let [least, most] = RANGES_MM[k];
+            let after = (*number + step.clamp(-STEP_MM, STEP_MM)).clamp(least, most);
+            moved = moved.max((after - *number).abs());
+            *number = after;
+        }
+        if moved <= 0.0 {
+            break;
+        }
+    }
+    numbers
 }

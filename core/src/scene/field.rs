@@ -104,7 +104,7 @@ macro_rules! value {
     (Body $($at:tt)+) => { |scene, _| Some(scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(scene.layers.get(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_ref()?.radius($axis) };
-    (Torso $k:literal) => { |scene, _| Some(*scene.torso?.number($k)) };
+    (Torso $k:literal) => { |scene, _| scene.torso?.number($k).copied() };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_ref()?.measured.$($at)+ };
 }
 
@@ -120,7 +120,7 @@ macro_rules! place {
     (Body $($at:tt)+) => { |scene, _| Some(&mut scene.body.$($at)+) };
     (Layer $($at:tt)+) => { |scene, k| Some(&mut scene.layers.get_mut(k)?.$($at)+) };
     (Chest $axis:literal) => { |scene, _| scene.chest.as_mut()?.place($axis) };
-    (Torso $k:literal) => { |scene, _| Some(scene.torso.as_mut()?.number($k)) };
+    (Torso $k:literal) => { |scene, _| scene.torso.as_mut()?.number($k) };
     (Patient $($at:tt)+) => { |scene, _| scene.patient.as_mut()?.measured.$($at)+.as_mut() };
 }
 
@@ -214,9 +214,11 @@ fields! {
         "Breast width", CM, "Width of the breast from its medial to its lateral end, straight.";
     TorsoNotch: "chest.torso.notch_nipple_mm", Torso[2], "notch to nipple", "mm", (170.0, 250.0), Tables;
         "Notch to nipple", CM, "From the sternal notch to the nipple, straight.";
-    TorsoNipples: "chest.torso.nipple_nipple_mm", Torso[3], "nipple to nipple", "mm", (180.0, 250.0), Tables;
+    TorsoFold: "chest.torso.nipple_fold_mm", Torso[3], "nipple to fold", "mm", (40.0, 120.0), Tables;
+        "Nipple to fold", CM, "From the nipple to the fold, along the skin, unstretched. Usual: as the other measures give it.";
+    TorsoNipples: "chest.torso.nipple_nipple_mm", Torso[4], "nipple to nipple", "mm", (180.0, 250.0), Tables;
         "Nipple to nipple", CM, "Between the nipples, straight.";
-    TorsoVolume: "chest.torso.breast_volume_ml", Torso[4], "volume of the breast", "ml", (80.0, 500.0), Tables;
+    TorsoVolume: "chest.torso.breast_volume_ml", Torso[5], "volume of the breast", "ml", (80.0, 500.0), Tables;
         "Breast volume", MILLILITRES, "Volume of the breast before the operation, between skin and bare chest.";
     Insertion: "insertion", Scene[insertion], "insertion", "", (0.0, 1.0), Dome;
         "In place", PERCENT, "Height of the implant under the tissue, from flat (0 %) to full (100 %).";
@@ -242,10 +244,11 @@ fields! {
 pub const CHEST: [Field; 2] = [Field::ChestAcross, Field::ChestAlong];
 
 /// The numbers of the built-in torso.
-pub const TORSO: [Field; 5] = [
+pub const TORSO: [Field; 6] = [
     Field::TorsoChest,
     Field::TorsoBreast,
     Field::TorsoNotch,
+    Field::TorsoFold,
     Field::TorsoNipples,
     Field::TorsoVolume,
 ];
@@ -419,7 +422,7 @@ mod tests {
         scene.layers[1].curve.strain_scale = 1.5;
         scene.layers.iter_mut().for_each(|layer| layer.curve.stress_scale = 1.25);
         let mut on_torso = scene.clone();
-        on_torso.set_torso(Torso::default());
+        on_torso.set_torso(Torso { nipple_fold_mm: Some(80.0), ..Torso::default() });
         let json = [&scene, &on_torso].map(|scene| serde_json::to_value(scene).unwrap());
         let (mut wanted, mut found) = (Vec::new(), vec!["solver.nodes_per_side".to_owned()]);
         paths(&json[0], "", &mut wanted);

@@ -28,6 +28,9 @@ pub struct Torso {
     /// From the sternal notch to the nipple, straight \[mm\], 170 to 250.
     #[serde(deserialize_with = "present")]
     pub notch_nipple_mm: f64,
+    /// From the nipple to the fold, along the skin \[mm\], 40 to 120; `None`: as the other numbers give it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nipple_fold_mm: Option<f64>,
     /// Between the nipples, straight \[mm\], 180 to 250.
     #[serde(deserialize_with = "present")]
     pub nipple_nipple_mm: f64,
@@ -43,6 +46,7 @@ impl Default for Torso {
             chest_width_mm: Tape::OWN.chest_width_mm,
             breast_width_mm: Tape::OWN.breast_width_mm,
             notch_nipple_mm: 192.7,
+            nipple_fold_mm: None,
             // The mean of 54 young women is 203 mm, the stored trunk has 225 mm.
             nipple_nipple_mm: 204.7,
             breast_volume_ml: 130.0,
@@ -51,28 +55,35 @@ impl Default for Torso {
 }
 
 impl Torso {
-    /// A number of the torso by its place among [`field::TORSO`].
-    pub(super) fn number(&mut self, k: usize) -> &mut f64 {
+    /// A number of the torso by its place among [`field::TORSO`]; `None`: not stated.
+    pub(super) fn number(&mut self, k: usize) -> Option<&mut f64> {
         match k {
-            0 => &mut self.chest_width_mm,
-            1 => &mut self.breast_width_mm,
-            2 => &mut self.notch_nipple_mm,
-            3 => &mut self.nipple_nipple_mm,
-            _ => &mut self.breast_volume_ml,
+            0 => Some(&mut self.chest_width_mm),
+            1 => Some(&mut self.breast_width_mm),
+            2 => Some(&mut self.notch_nipple_mm),
+            3 => self.nipple_fold_mm.as_mut(),
+            4 => Some(&mut self.nipple_nipple_mm),
+            _ => Some(&mut self.breast_volume_ml),
         }
     }
 
     fn tape(&self) -> Tape {
         let Self { chest_width_mm, breast_width_mm, notch_nipple_mm, .. } = *self;
-        let Self { nipple_nipple_mm, breast_volume_ml, .. } = *self;
+        let Self { nipple_fold_mm, nipple_nipple_mm, breast_volume_ml, .. } = *self;
         Tape {
             chest_width_mm,
             breast_width_mm,
             notch_nipple_mm,
+            nipple_fold_mm,
             nipple_nipple_mm,
             breast_volume_ml,
-            ..Tape::OWN
         }
+    }
+
+    /// The way from nipple to fold that the other numbers give \[mm\]; `None`: they have no torso.
+    #[must_use]
+    pub fn own_nipple_fold_mm(&self) -> Option<f64> {
+        Self { nipple_fold_mm: None, ..*self }.shaped().ok()?.tape.nipple_fold_mm
     }
 
     /// The built-in torso with these numbers.

@@ -195,19 +195,15 @@ pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     let Some(Ok(fitted)) = scene.fitted_torso() else { return };
     let (asked, found) = (scene.torso.unwrap_or_default(), nearest(&fitted.shaped.tape));
     let of = |number: Field, torso: Torso| {
-        let scene = Scene { torso: Some(torso), ..Scene::default() };
-        number.shown(&scene).unwrap_or_default()
+        number.shown(&Scene { torso: Some(torso), ..Scene::default() })
     };
-    let others = TORSO.into_iter().filter(|number| {
-        let (asked, found) = (of(*number, asked), of(*number, found));
-        (found - asked).abs() > NEAREST * asked
-    });
-    let words: Vec<String> = others
-        .map(|number| {
-            let value = fixed(of(number, found), number.scale.decimals);
-            format!("{} {value} {}", tr(number.label), number.scale.unit)
-        })
-        .collect();
+    let other = |number: Field| {
+        let (asked, found) = (of(number, asked)?, of(number, found)?);
+        let value = fixed(found, number.scale.decimals);
+        let words = || format!("{} {value} {}", tr(number.label), number.scale.unit);
+        ((found - asked).abs() > NEAREST * asked).then(words)
+    };
+    let words: Vec<String> = TORSO.into_iter().filter_map(other).collect();
     if !words.is_empty() {
         remark(ui, tr!("The nearest torso has: {words}.", words = words.join(", ")));
     }
@@ -222,6 +218,7 @@ fn nearest(tape: &Tape) -> Torso {
         chest_width_mm: tape.chest_width_mm,
         breast_width_mm: tape.breast_width_mm,
         notch_nipple_mm: tape.notch_nipple_mm,
+        nipple_fold_mm: tape.nipple_fold_mm,
         nipple_nipple_mm: tape.nipple_nipple_mm,
         breast_volume_ml: tape.breast_volume_ml,
     }

@@ -53,10 +53,11 @@ const OTHERS: [(&str, Number); 10] = [
     (FLUID_ML, Number::Fluid),
 ];
 /// The numbers of a torso by name.
-const OF_TORSO: [(&str, Number); 5] = [
+const OF_TORSO: [(&str, Number); 6] = [
     ("chest_width_cm", Number::Plain(Row::TorsoChest)),
     ("breast_width_cm", Number::Plain(Row::TorsoBreast)),
     ("notch_nipple_cm", Number::Plain(Row::TorsoNotch)),
+    ("nipple_fold_cm", Number::Plain(Row::TorsoFold)),
     ("nipple_nipple_cm", Number::Plain(Row::TorsoNipples)),
     ("breast_volume_ml", Number::Plain(Row::TorsoVolume)),
 ];

@@ -19,12 +19,26 @@ pub(crate) fn control(
     if number.part == Part::Body && !scene.is_layered() {
         return None;
     }
-    let control = Control { reset: number.usual(), ..Control::of(number) };
-    Some((control, number.shown(scene)?))
+    let unstated = unstated(scene, number);
+    let reset = unstated.unwrap_or_else(|| number.usual());
+    let control = Control { reset, ..Control::of(number) };
+    Some((control, number.shown(scene).or(unstated)?))
+}
+
+/// What a number is that a scene need not state, in the unit of its control.
+fn unstated(scene: &Scene, number: Field) -> Option<f64> {
+    let torso = scene.torso.filter(|_| number == Field::TorsoFold)?;
+    let shown = number.scale.factor * torso.own_nipple_fold_mm()?;
+    Some((shown / number.scale.step).round() * number.scale.step)
 }
 
 /// Sets a number, in the unit of its control; the usual value is not stated.
 pub(crate) fn set(scene: &mut Scene, number: Field, value: f64) {
+    let unstated = unstated(scene, number);
+    if let Some(torso) = scene.torso.as_mut().filter(|_| number == Field::TorsoFold) {
+        let is_stated = unstated.is_none_or(|own| (value - own).abs() > 0.5 * number.scale.step);
+        torso.nipple_fold_mm = is_stated.then_some(value / number.scale.factor);
+    }
     number.set(scene, 0, significant(value / number.scale.factor));
     scene.implant = scene.implant.in_few_words();
 }

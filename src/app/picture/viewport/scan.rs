@@ -23,12 +23,16 @@ const REACH: f32 = 15.0;
 const STEPS: [(Modifiers, f32); 2] = [(Modifiers::SHIFT, 10.0), (Modifiers::NONE, 1.0)];
 /// Depth up to which a mark is in sight \[mm\].
 const IN_SIGHT_MM: f32 = 4.0;
+/// Turns of the body from the front, in the order in which they are tried for a mark that is out of sight \[°\].
+const TURNS: [f32; 5] = [0.0, 40.0, -40.0, 80.0, -80.0];
 
 /// The body of a scan that was shown last.
 pub(super) struct Scanned {
     pub(super) torso: Rc<Torso>,
     /// Eye and place of each dot, and whether it is in sight.
     seen: Vec<([Vec3; 2], bool)>,
+    /// Name of the mark in use.
+    chosen: Option<&'static str>,
 }
 
 /// A mark in the picture.
@@ -68,10 +72,12 @@ impl Viewport {
         let is_new = self.scanned.as_ref().is_none_or(|known| !Rc::ptr_eq(&known.torso, torso));
         if is_new || (aspect - self.aspect).abs() > 1e-4 {
             self.camera = super::torso::standing(torso, aspect, Standing::Front);
-            let scanned = Scanned { torso: Rc::clone(torso), seen: Vec::new() };
+            let chosen = chosen(dots).map(|dot| dot.name);
+            let scanned = Scanned { torso: Rc::clone(torso), seen: Vec::new(), chosen };
             (self.aspect, self.scanned) = (aspect, Some(scanned));
         }
         self.camera.mirror(false);
+        self.face_chosen(torso, dots);
         if self.move_camera(ui, &response, area) {
             ui.ctx().request_repaint();
         }
@@ -117,6 +123,24 @@ impl Viewport {
         torso.picked(&self.camera.ray(super::moves::viewport_point(area, at), self.aspect))
     }
 
+    /// Turns the body when a mark comes into use that is out of sight.
+    fn face_chosen(&mut self, torso: &Torso, dots: &[Dot]) {
+        let chosen = chosen(dots);
+        let Some(scanned) = &mut self.scanned else { return };
+        let before = std::mem::replace(&mut scanned.chosen, chosen.map(|dot| dot.name));
+        let Some(at) = chosen.filter(|dot| before != Some(dot.name)).map(|dot| dot.at) else {
+            return;
+        };
+        if sees(torso, self.camera.eye(), at) {
+            return;
+        }
+        let front = super::torso::standing(torso, self.aspect, Standing::Front);
+        let mut turned = TURNS.map(|degrees| front.turned_by(degrees.to_radians())).into_iter();
+        if let Some(camera) = turned.find(|camera| sees(torso, camera.eye(), at)) {
+            self.camera = camera;
+        }
+    }
+
     /// Is a dot on the side of the body towards the eye? Found once for a place and an eye.
     fn is_in_sight(&mut self, torso: &Torso, (k, at): (usize, Vec3)) -> bool {
         let eye = self.camera.eye();
@@ -124,9 +148,7 @@ impl Viewport {
         if let Some((_, is)) = known.filter(|(of, _)| *of == [eye, at]) {
             return *is;
         }
-        let ray = Ray { origin: eye, direction: (at - eye).normalize_or(Vec3::NEG_Z) };
-        let seen = torso.picked(&ray);
-        let is = seen.is_none_or(|seen| eye.distance(at) < eye.distance(seen) + IN_SIGHT_MM);
+        let is = sees(torso, eye, at);
         if let Some(Scanned { seen, .. }) = &mut self.scanned {
             seen.resize(seen.len().max(k + 1), ([Vec3::NAN; 2], true));
             seen[k] = ([eye, at], is);
@@ -187,6 +209,18 @@ impl Viewport {
         let at = self.camera.project(from + by, self.aspect)?;
         torso.picked(&self.camera.ray(at, self.aspect))
     }
+}
+
+/// The mark in use, once it is set.
+fn chosen(dots: &[Dot]) -> Option<&Dot> {
+    dots.iter().find(|dot| dot.is_chosen)
+}
+
+/// Is a place of the skin on the side of the body towards the eye?
+fn sees(torso: &Torso, eye: Vec3, at: Vec3) -> bool {
+    let ray = Ray { origin: eye, direction: (at - eye).normalize_or(Vec3::NEG_Z) };
+    let seen = torso.picked(&ray);
+    seen.is_none_or(|seen| eye.distance(at) < eye.distance(seen) + IN_SIGHT_MM)
 }
 
 /// Paints a dot with its word; paler where the body hides the mark.
