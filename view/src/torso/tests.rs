@@ -121,6 +121,7 @@ fn the_drawn_torso_of_any_tape_has_no_seam_at_the_edge_of_the_tissue() {
             chest_width_mm: 235.0 + 65.0 * part(0.8567),
             breast_width_mm: 120.0 + 25.0 * part(0.7339),
             notch_nipple_mm: 190.0 + 45.0 * part(0.6287),
+            nipple_fold_mm: None,
             nipple_nipple_mm: 195.0 + 40.0 * part(0.5386),
             breast_volume_ml: 100.0 + 350.0 * part(0.4614),
         })
