@@ -28,7 +28,7 @@ pub(super) const NEAR_MM: f64 = 0.1;
 /// Length that stands for a stretch by e \[mm\].
 const LOG_MM: f64 = 100.0;
 /// Ranges of the numbers of [`Shape::of`]: no triangle turns over within.
-const RANGES_MM: [[f64; 2]; 4] = [[-12.0, 15.0], [-15.0, 15.0], [-120.0, 50.0], [-24.0, 24.0]];
+const RANGES_MM: [[f64; 2]; 4] = [[-12.0, 15.0], [-15.0, 15.0], [-120.0, 50.0], [-18.0, 12.0]];
 /// Points of the way from nipple to fold.
 const POINTS: u32 = 48;
 
@@ -59,7 +59,7 @@ pub(super) struct Shape {
     /// Stretches across and of the height \[-\].
     across: f64,
     height: f64,
-    /// Move of the fold away from the nipple \[mm\].
+    /// Move of the fold away from the nipple by the breast's half height \[-\].
     lowered: f64,
 }
 
@@ -110,7 +110,7 @@ impl Mound {
         let to_fold = smooth_step((nipple.y - place.y) / (nipple.y - fold.y));
         let to_side = aside * share * smooth_step(across / MIDLINE_MM);
         (
-            place + DVec2::new(to_side, -shape.lowered * share * to_fold),
+            place + DVec2::new(to_side, -shape.lowered * self.half.y * share * to_fold),
             height_mm * (1.0 + (shape.height - 1.0) * share),
         )
     }
@@ -167,17 +167,20 @@ impl Mound {
             [tape.nipple_nipple_mm, tape.breast_width_mm, volume]
         };
         let found = |numbers| self.tape(&Shape::of(numbers), torso);
-        let [aside, across, height] = of(tape);
-        let Some(fold) = tape.nipple_fold_mm else {
+        let with = |lowered: f64| {
             let [aside, across, height] =
-                found_numbers([aside, across, height], |[a, b, c]| of(&found([a, b, c, 0.0])));
-            return Shape::of([aside, across, height, 0.0]);
+                found_numbers(of(tape), |[a, b, c]| of(&found([a, b, c, lowered])));
+            Shape::of([aside, across, height, lowered])
         };
-        Shape::of(found_numbers([aside, across, height, fold], |numbers| {
+        let Some(fold) = tape.nipple_fold_mm else { return with(0.0) };
+        let [aside, across, height] = of(tape);
+        let [.., lowered] = found_numbers([aside, across, height, fold], |numbers| {
             let found = found(numbers);
             let [aside, across, height] = of(&found);
             [aside, across, height, found.nipple_fold_mm.unwrap_or(fold)]
-        }))
+        });
+        // A fold at a limit has moved the other numbers.
+        with(lowered)
     }
 
     /// A vertex of the surface under another shape of the mound.
@@ -198,10 +201,10 @@ impl Mound {
 }
 
 impl Shape {
-    /// Of a move, of logarithms of stretches times [`LOG_MM`], and of the fold's move \[mm\].
+    /// Of a move, and of logarithms of stretches and the fold's move by the half height times [`LOG_MM`] \[mm\].
     pub(super) fn of([aside, across, height, lowered]: [f64; 4]) -> Self {
         let [across, height] = [across, height].map(|log| (log / LOG_MM).exp());
-        Self { aside, across, height, lowered }
+        Self { aside, across, height, lowered: lowered / LOG_MM }
     }
 }
 
