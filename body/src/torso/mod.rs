@@ -17,6 +17,8 @@ use shape::{Mound, NEAR_MM, Places};
 
 /// Range of the trunk's length over that of the built-in torso \[-\].
 const LONG: [f64; 2] = [0.75, 1.3];
+/// The way from nipple to fold that [`Tape::OWN`] gives \[mm\].
+const OWN_NIPPLE_FOLD_MM: f64 = 84.6;
 /// Fits of a trunk whose length gives the way from notch to nipple.
 const TRUNKS: usize = 3;
 
@@ -117,7 +119,8 @@ pub fn shaped(tape: &Tape) -> Result<(Torso, Tape), FitError> {
 pub fn shaped_with_arms(tape: &Tape) -> Result<(Torso, Surface, Tape), FitError> {
     let mut arms = half::both_halves(half::ARM);
     if *tape == Tape::OWN {
-        return Ok((builtin(), arms, Tape::OWN));
+        let found = Tape { nipple_fold_mm: Some(OWN_NIPPLE_FOLD_MM), ..Tape::OWN };
+        return Ok((builtin(), arms, found));
     }
     let wide = tape.chest_width_mm / Tape::OWN.chest_width_mm;
     let mut long = 1.0;
@@ -232,14 +235,15 @@ mod tests {
     #[test]
     fn the_torsos_own_tape_leaves_every_vertex() {
         let own = builtin();
-        assert_eq!(shaped(&Tape::OWN).unwrap().0, own);
+        let (torso, tape) = shaped(&Tape::OWN).unwrap();
+        assert_eq!(torso, own);
         let mound = Mound::new(&own).unwrap();
         let (found, given) = (mound.tape(&Shape::of([0.0; 4]), &own), Tape::OWN);
         for (found, given) in [
             (found.chest_width_mm, given.chest_width_mm),
             (found.breast_width_mm, given.breast_width_mm),
             (found.notch_nipple_mm, given.notch_nipple_mm),
-            (found.nipple_fold_mm.unwrap(), 84.6),
+            (found.nipple_fold_mm.unwrap(), tape.nipple_fold_mm.unwrap()),
             (found.nipple_nipple_mm, given.nipple_nipple_mm),
             (found.breast_volume_ml, given.breast_volume_ml),
         ] {
