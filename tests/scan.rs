@@ -144,7 +144,7 @@ fn bad_input_is_one_line() {
     assert!(scan(&["--unit", "cm"]).contains("check unit and marks"));
     let marks = fs::read_to_string(folder.join("marks.json")).unwrap();
     fs::write(folder.join("marks.json"), marks.replacen("navel", "nabel", 1)).unwrap();
-    assert!(scan(&[]).starts_with("error: marks.json: unknown field `nabel`"));
+    assert!(scan(&[]).starts_with("error: marks.json: nabel: unknown field `nabel`; allowed: "));
     fs::write(folder.join("marks.json"), &marks).unwrap();
     fs::write(folder.join("torso.ply"), "ply\nformat").unwrap();
     assert!(scan(&[]).starts_with("error: torso.ply: "));

@@ -219,14 +219,6 @@ pub struct BodyAxes {
 }
 
 impl Marks {
-    /// Reads the marks of a file.
-    ///
-    /// # Errors
-    /// One line: text that is no JSON, an unknown name, a missing mark, a point that is not three numbers.
-    pub fn from_json(text: &str) -> Result<Self, MarksError> {
-        serde_json::from_str(text).map_err(|error| MarksError(error.to_string()))
-    }
-
     /// The marks in another unit of length.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -384,12 +376,12 @@ mod tests {
 
     #[test]
     fn marks_are_read_and_written() {
-        let marks = Marks::from_json(LEFT).unwrap();
+        let marks: Marks = serde_json::from_str(LEFT).unwrap();
         assert_eq!(marks.breast(Side::Left).unwrap().upper, DVec3::new(80.0, 441.0, 124.0));
         assert_eq!(marks.check(Side::Left), Ok(()));
         let text = serde_json::to_string(&marks).unwrap();
         assert!(!text.contains("right\":null") && !text.contains("implant_centre"), "{text}");
-        assert_eq!(Marks::from_json(&text), Ok(marks));
+        assert_eq!(serde_json::from_str::<Marks>(&text).unwrap(), marks);
         let axes = marks.axes().unwrap();
         assert!(axes.across.distance(DVec3::X) < 1e-12 && axes.front.z > 0.9);
         // Proposed as high and as far forward as the nipple, with an edge near the fold.
@@ -411,7 +403,7 @@ mod tests {
         let line = |from: &str, to: &str| {
             let text = LEFT.replacen(from, to, 1);
             assert_ne!(text, LEFT, "{from}");
-            let line = Marks::from_json(&text).unwrap_err().to_string();
+            let line = serde_json::from_str::<Marks>(&text).unwrap_err().to_string();
             assert!(!line.contains('\n') && line.len() < 400, "{line}");
             line
         };
@@ -419,17 +411,11 @@ mod tests {
             ("navel", "nabel", "unknown field `nabel`, expected one of `sternal_notch`, `navel`"),
             (r#""navel": [0, 120, 154],"#, "", "navel is missing; allowed: a point [x, y, z]"),
             (r#", "lateral_left": [140, 371, 85]"#, "", "lateral_left is missing"),
-            ("500", "null", "invalid type: null, expected f64"),
-            ("500", "NaN", "expected value"),
-            ("500", "1e400", "number out of range"),
             ("500", "2e7", "sternal_notch is [0, 20000000, 90]; allowed: numbers up to 10000000"),
-            ("[0, 500, 90]", "[0, 500]", "invalid length 2, expected an array of length 3"),
             ("navel", "sternal_notch", "duplicate field `sternal_notch`"),
-            ("}", "", "EOF while parsing an object"),
         ] {
             let found = line(from, to);
             assert!(found.contains(expected), "{found}");
         }
-        assert!(Marks::from_json("[]").is_err() && Marks::from_json("").is_err());
     }
 }

@@ -8,7 +8,7 @@ use implant_preview_core::body::propose::propose;
 use implant_preview_core::body::read::{self, Unit};
 use implant_preview_core::body::surface::Surface;
 use implant_preview_core::measure::{Selection, Status};
-use implant_preview_core::scene::{COVER_MM, CheckedScene, Scene};
+use implant_preview_core::scene::{self, COVER_MM, CheckedScene, Scene};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -67,7 +67,7 @@ pub(crate) fn fit_body<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let surface = surface(&positions, &triangles)?;
     let side: Side = side.parse().map_err(refused)?;
-    let marks = Marks::from_json(marks).map_err(refused)?;
+    let marks: Marks = scene::read::json(marks, "marks").map_err(refused)?;
     let (least, most) = COVER_MM;
     if !(least..=most).contains(&cover_mm) {
         return Err(refused(format!("cover_mm is {cover_mm}; allowed: {least} to {most} mm")));

@@ -263,7 +263,8 @@ fn no_value(text: &str, line: usize, column: usize) -> Option<&'static str> {
 
 /// Names of Rust types mean nothing to a reader.
 fn in_words(text: &str) -> String {
-    text.replace("f64", "a number").replace("usize", "a whole number")
+    let text = text.replace("f64", "a number").replace("usize", "a whole number");
+    text.replace("an array of length", "a list of length")
 }
 
 /// A message of the parser without its place, with the names of what is allowed.
@@ -279,6 +280,7 @@ fn without_place(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::marks::Marks;
 
     #[test]
     fn texts_of_scenes_are_split_from_lists_and_lines() {
@@ -339,5 +341,28 @@ mod tests {
         );
         let number = error(r#"{ "insertion": "a" }"#);
         assert!(number.starts_with("insertion: ") && !number.contains("at line"), "{number}");
+    }
+
+    #[test]
+    fn an_error_in_marks_names_the_mark() {
+        for (point, expected) in [
+            ("[0, null, 1]", "navel[1] is null; allowed: a number"),
+            ("[0, NaN, 1]", "navel[1] is nan; allowed: a number or a text"),
+            ("[0, \"a\", 1]", "navel[1]: invalid type: string \"a\", expected a number"),
+            ("[0, 1e400, 2]", "navel[1]: number out of range at line 1 column 20; allowed: JSON"),
+            ("[0, 1]", "navel: invalid length 2, expected a list of length 3"),
+            ("3", "navel: invalid type: integer `3`, expected a list of length 3"),
+            ("null", "navel is null; allowed: a list of length 3, or leave it out"),
+            ("[0, 1, 2]", "marks: sternal_notch is missing; allowed: a point [x, y, z]"),
+            ("[0, 1, 2], \"navel\": 1", "marks: duplicate field `navel`"),
+        ] {
+            let text = format!("{{ \"navel\": {point} }}");
+            let line = json::<Marks>(&text, "marks").unwrap_err().to_string();
+            assert!(line.starts_with(expected), "{line}");
+        }
+        assert_eq!(
+            json::<Marks>("[]", "marks").unwrap_err().to_string(),
+            "marks: is a list; allowed: one JSON object"
+        );
     }
 }

@@ -141,7 +141,7 @@ impl Scan {
     /// # Errors
     /// Returns one line that names the wrong mark.
     pub(crate) fn take_marks(&mut self, text: &str) -> Result<(), String> {
-        let marks = Marks::from_json(text).map_err(|error| error.to_string())?;
+        let marks: Marks = scene::read::json(text, "marks").map_err(|error| error.to_string())?;
         self.points.set_all(&marks.scaled(self.read.unit.factor()));
         self.chosen = self.points.missing(self.side).unwrap_or(0);
         self.fitted = None;

@@ -9,6 +9,7 @@ use crate::body::marks::{Marks, Side};
 use crate::body::mound::mound;
 use crate::body::quality::Quality;
 use crate::body::read::{self, Read, Unit};
+use crate::scene::read::{json, utf8};
 use crate::scene::{COVER_MM, Scene};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -129,8 +130,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitStatus, InputError> {
     if text.len() > MAX_MARKS {
         return Err(in_marks(&format!("is longer than {MAX_MARKS} bytes")));
     }
-    let text = crate::scene::read::utf8(&text).map_err(|error| in_marks(&error))?;
-    let marks = Marks::from_json(text).map_err(|error| in_marks(&error))?;
+    let text = utf8(&text).map_err(|error| in_marks(&error))?;
+    let marks: Marks = json(text, "marks").map_err(|error| in_marks(&error))?;
     let Read { surface, unit, cleaned, .. } = surface(mesh, given)?;
     let marks = marks.scaled(unit.factor());
     let settings = Settings { cover_mm: *cover, ..Settings::default() };

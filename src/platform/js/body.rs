@@ -9,6 +9,7 @@ use crate::body::surface::Surface;
 use crate::measure::{Selection, Status};
 use crate::platform::text::text;
 use crate::platform::workers::object;
+use crate::scene::read::json;
 use crate::scene::{COVER_MM, CheckedScene, Scene};
 use crate::solve::Options;
 use glam::DVec3;
@@ -56,7 +57,7 @@ pub fn fit_body(
     cover_mm: f64,
 ) -> Result<String, JsError> {
     let surface = Surface::of_arrays(coordinates, triangles)?;
-    let marks = Marks::from_json(marks)?;
+    let marks: Marks = json(marks, "marks")?;
     let side: Side = side.parse()?;
     let (least, most) = COVER_MM;
     if !(least..=most).contains(&cover_mm) {

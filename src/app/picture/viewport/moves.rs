@@ -137,3 +137,36 @@ pub(super) fn viewport_point(area: Rect, at: Pos2) -> Vec2 {
     let x = 2.0 * (at.x - area.left()) / area.width() - 1.0;
     Vec2::new(x, 1.0 - 2.0 * (at.y - area.top()) / area.height())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{self, Scene};
+
+    /// A torso of this width of the chest \[mm\].
+    fn torso(chest_width_mm: f64) -> Torso {
+        let mut scene = Scene::opening();
+        scene.torso = Some(scene::Torso { chest_width_mm, ..scene::Torso::default() });
+        Torso::of_torso(&scene.fitted_torso().unwrap().unwrap())
+    }
+
+    #[test]
+    fn the_camera_follows_another_body_in_its_view_until_it_is_moved() {
+        let (ball, aspect) = (Ball::from(80.0), 1.2);
+        let [narrow, wide] = [240.0, 300.0].map(torso);
+        let in_front = |torso| standing(torso, aspect, Standing::Front);
+        assert_ne!(in_front(&narrow), in_front(&wide));
+        let mut viewport = Viewport::new(None);
+        viewport.fitted = Some((ball, View::Front));
+        (viewport.is_placed, viewport.aspect) = (true, aspect);
+        for torso in [&narrow, &wide, &narrow] {
+            viewport.place_camera(ball, aspect, Some(torso), None);
+            assert_eq!(viewport.camera, in_front(torso));
+        }
+        viewport.camera.drag(Vec2::new(30.0, 0.0));
+        viewport.fitted = None;
+        let moved = viewport.camera;
+        viewport.place_camera(ball, aspect, Some(&wide), None);
+        assert_eq!(viewport.camera, moved);
+    }
+}
