@@ -23,8 +23,11 @@ use web_time::{Duration, Instant};
 const SLICE: Duration = Duration::from_millis(10);
 /// The same of the solve on a coarser grid: the first one of a drag starts from nothing and takes twice as long as the next ones.
 const SLICE_OF_EDIT: Duration = Duration::from_millis(60);
-/// The same of the scene's own grid after a coarser one, the longer the hand rests.
-const SLICES_AT_REST: [Duration; 2] = [Duration::from_millis(30), Duration::from_millis(60)];
+/// The same of the scene's own grid after a coarser one: at first, at most while a pointer is pressed, and at most when none is. Between
+/// two slices the time of a frame is lost.
+const FIRST_AT_REST: Duration = Duration::from_millis(30);
+const LONGEST_HELD: Duration = Duration::from_millis(60);
+const LONGEST_AT_REST: Duration = Duration::from_millis(120);
 /// Upper limit of a slice of a long solve or of a pin, for slow frames.
 const LONG_SLICE: Duration = Duration::from_millis(200);
 /// Time limit of the first slice, which solves most opening scenes.
@@ -171,8 +174,9 @@ impl App {
         } else if running.since.elapsed() > LONG {
             long_slice(ctx)
         } else if session.has_coarser_grid() {
-            let [least, most] = SLICES_AT_REST;
-            running.start.elapsed().clamp(least, most)
+            let is_held = ctx.input(|input| input.pointer.any_down());
+            let most = if is_held { LONGEST_HELD } else { LONGEST_AT_REST };
+            (2 * running.start.elapsed()).clamp(FIRST_AT_REST, most)
         } else {
             SLICE
         };
