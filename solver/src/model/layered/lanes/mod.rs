@@ -168,7 +168,7 @@ impl ElasticModel for Layered {
 
     fn scratch(&self, layout: &Layout) -> Scratch {
         Scratch {
-            skin: self.skin_at_rest(layout, None, None),
+            skin: SkinScratch::new(layout, layout.plane().membrane(), self.cells.len()),
             at_rest: Field::default(),
             border: Border::new(layout),
             shapes: Shapes::default(),
@@ -213,7 +213,8 @@ impl ElasticModel for Layered {
         }
         // A level has the same tissue as long as it fits.
         let is_same_rest = rest.map(Arc::as_ptr) == scratch.rest.as_ref().map(Arc::as_ptr);
-        let is_same_stretch = scratch.geometry.is_none_or(|known| known.natural == self.natural);
+        let known = scratch.geometry.as_ref().and_then(|known| known.natural);
+        let is_same_stretch = known == self.natural;
         let is_same_growth = match (&self.grown, &scratch.grown) {
             (Some(own), Some(known)) => own.is_same(known),
             (own, known) => own.is_none() && known.is_none(),

@@ -163,11 +163,16 @@ impl Four {
 
 impl Border {
     pub(super) fn new(triangles: &[OwnTriangle]) -> Self {
-        let mut nodes: Vec<u32> = triangles.iter().flat_map(|triangle| triangle.nodes).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let of_all = || triangles.iter().flat_map(|triangle| triangle.nodes);
+        let mut places = vec![0_u32; of_all().max().map_or(0, |last| last as usize + 1)];
+        of_all().for_each(|node| places[node as usize] = 1);
+        let mut nodes = Vec::new();
+        for (node, place) in places.iter_mut().enumerate().filter(|(_, place)| **place == 1) {
+            *place = nodes.len() as u32;
+            nodes.push(node as u32);
+        }
         nodes.shrink_to_fit();
-        let place = |k: u32| nodes.partition_point(|&node| node < k) as u32;
+        let place = |node: u32| places[node as usize];
         let fours = triangles.chunks(4).map(|four| Four::new(four, place)).collect();
         Self { nodes, fours }
     }
