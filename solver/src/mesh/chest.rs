@@ -58,7 +58,7 @@ impl Chest {
                 let direction = place.normalize_or_zero();
                 return ((direction * far).extend(height), (direction * sin).extend(up));
             }
-            Self::Curved { across_mm, along_mm } => STEP * across_mm.abs().min(along_mm.abs()),
+            &Self::Curved { across_mm, along_mm } => longest_step(across_mm, along_mm),
             Self::Grid(grid) => grid.spacing(),
         };
         self.over(self.foot(place, longest))
@@ -72,9 +72,19 @@ impl Chest {
 
     /// Geodesics up to a length \[mm\] for the many places of a grid; `None` for walls whose geodesics are short work.
     pub(super) fn fan(&self, reach_mm: f64) -> Option<Fan> {
-        let Self::Grid(grid) = self else { return None };
-        // Steps pass over the knots of the heights.
-        Some(Fan::new(&self.heights(), 0.5 * grid.spacing(), reach_mm))
+        let longest = match *self {
+            // Steps pass over the knots of the heights.
+            Self::Grid(ref grid) => 0.5 * grid.spacing(),
+            Self::Curved { across_mm, along_mm }
+                if across_mm.is_finite()
+                    && along_mm.is_finite()
+                    && across_mm.to_bits() != along_mm.to_bits() =>
+            {
+                longest_step(across_mm, along_mm)
+            }
+            _ => return None,
+        };
+        Some(Fan::new(&self.heights(), longest, reach_mm))
     }
 
     /// Is the wall its own image mirrored along x, along y?
@@ -152,6 +162,11 @@ impl Chest {
             Self::Grid(grid) => Self::Grid(grid.scaled(factor)),
         }
     }
+}
+
+/// The longest step along a geodesic over curves of two radii \[mm\].
+fn longest_step(across_mm: f64, along_mm: f64) -> f64 {
+    STEP * across_mm.abs().min(along_mm.abs())
 }
 
 /// After a length along a circle of a radius, which starts level: way, height, and the unit normal's components along both.
@@ -270,6 +285,8 @@ mod tests {
             (grid(bumpy), 5e-3),
             (grid(|at| smooth.height(at)), 5e-5),
             (grid(|at| 5.0 + 0.2 * at.x), 1e-9),
+            (smooth.clone(), 2e-6),
+            (Chest::Curved { across_mm: 150.0, along_mm: -400.0 }, 2e-6),
         ] {
             let error = error(&chest);
             assert!(error < most, "{error:e}");
@@ -280,7 +297,8 @@ mod tests {
         for place in places() {
             assert!(fan.foot(place).distance(mirror(image.foot(mirror(place)))) < 1e-9);
         }
-        assert!(smooth.fan(100.0).is_none());
+        let sphere = Chest::Curved { across_mm: 130.0, along_mm: 130.0 };
+        assert!(sphere.fan(100.0).is_none());
     }
 
     #[test]
