@@ -14,7 +14,7 @@
 //! force of a pull is unknown (2–10 N); no measured force was found.
 
 use super::{SKIN_THICKNESS_MM, limits};
-use crate::curve::{Curve, CurveError, CurveSpec};
+use crate::curve::{Curve, CurveSpec};
 use std::f64::consts::PI;
 
 /// Radius of the fingertips' grip \[mm\].
@@ -40,19 +40,23 @@ pub fn pull_strain_scale(pull_mm: f64, base_width_mm: f64, natural_tension_n_per
     let length = span.hypot(pull_mm);
     let stress_times_radius =
         KPA * GRIP_FORCE_N * length / (2.0 * PI * pull_mm * SKIN_THICKNESS_MM);
-    let skin = Curve::new(&CurveSpec::Skin {});
+    let Ok(skin) = Curve::new(&CurveSpec::Skin {}) else { return f64::NAN };
     let strain = |radius: f64| inverse(&skin, stress_times_radius / radius);
     let at_rest = match natural_tension_n_per_m {
         tension if tension > 0.0 => inverse(&skin, tension / SKIN_THICKNESS_MM),
         _ => 0.0,
     };
-    let added = simpson(strain, GRIP_RADIUS_MM, GRIP_RADIUS_MM + span) - length * at_rest;
+    // By parts, ∫ ε dr = [ε r] − ∫ r dε: two strains are searched for instead of one a radius.
+    let [inner, outer] = [GRIP_RADIUS_MM, GRIP_RADIUS_MM + span];
+    let [most, least] = [inner, outer].map(strain);
+    let radius = |strain: f64| stress_times_radius / skin.stress(strain);
+    let strains = least * outer - most * inner + simpson(radius, least, most);
+    let added = strains - length * at_rest;
     if added > 0.0 { (length - span) / added } else { f64::INFINITY }
 }
 
 /// The strain at a stress \[kPa\], by bisection.
-fn inverse(curve: &Result<Curve, CurveError>, stress: f64) -> f64 {
-    let Ok(curve) = curve else { return f64::NAN };
+fn inverse(curve: &Curve, stress: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while curve.stress(high) < stress {
         high *= 2.0;
