@@ -3,7 +3,7 @@
 use crate::chest::Quadric;
 use crate::grid::Grid;
 use glam::DVec2;
-use implant_preview_solver::mesh::{Chest, HeightGrid, ThicknessField};
+use implant_preview_solver::mesh::{Chest, HeightGrid};
 use std::f64::consts::SQRT_2;
 
 /// Greatest slope of the wall \[-\].
@@ -173,26 +173,14 @@ fn limit_slope(grid: Grid, heights: &mut [f64]) {
 
 /// Thickness of the tissue along the wall's normals at lengths along the wall \[mm\], on the grid of the heights.
 ///
-/// The feet of the normals are computed at every second node, with a cubic spline between them: within 0.001 mm of those in between.
 pub(crate) fn thickness(grid: Grid, skin: &[f64], wall: &[f64]) -> Option<Vec<f64>> {
     let heights = HeightGrid::new(grid.spacing_mm, [grid.side(); 2], wall.to_vec())?;
     // The wall counts from its tangent plane at the centre.
     let tilt = DVec2::from(heights.tilt());
     let chest = Chest::Grid(heights);
-    let coarse = Grid { half: grid.half.div_ceil(2), spacing_mm: 2.0 * grid.spacing_mm };
-    let feet: Vec<DVec2> = (0..coarse.len())
-        .map(|node| chest.foot_and_normal(coarse.place(node)).0.truncate() - coarse.place(node))
-        .collect();
-    let spline = |of: fn(&DVec2) -> f64| {
-        let offsets = feet.iter().map(of).collect();
-        ThicknessField::new(coarse.spacing_mm, [coarse.side(); 2], offsets)
-    };
-    let (along_x, along_y) = (spline(|foot| foot.x)?, spline(|foot| foot.y)?);
+    let feet = chest.feet(grid.place(0).length());
     let of = |node: usize| {
-        let place = grid.place(node);
-        let at = place + DVec2::new(along_x.factor(place), along_y.factor(place));
-        let (foot, slope) = (at.extend(chest.height(at)), chest.slope(at));
-        let normal = (-slope).extend(1.0).normalize();
+        let (foot, normal) = feet(grid.place(node));
         let above = |length: f64| {
             let point = foot + normal * length;
             let at = point.truncate();

@@ -143,8 +143,8 @@ impl Scene {
         });
         let whole = whole.transpose()?.filter(|wall| {
             let patch = self.patch_radius();
-            let feet = (0..DIRECTIONS).map(|k| wall.foot_and_normal(way(k) * patch));
-            let reach = feet.map(|(foot, _)| foot.truncate().abs());
+            let feet = wall.feet(patch);
+            let reach = (0..DIRECTIONS).map(|k| feet(way(k) * patch).0.truncate().abs());
             // A line along the wall reaches no further than it is long; one that is lost on an uneven wall does.
             let reach = reach.fold(DVec2::ZERO, DVec2::max).min(DVec2::splat(patch));
             form.check_reach(counts, reach.to_array()).is_ok()

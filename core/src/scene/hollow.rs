@@ -63,9 +63,10 @@ impl<'a> Feet<'a> {
     /// Of a wall under tissue of a radius \[mm\].
     pub(super) fn new(wall: &'a Chest, patch_mm: f64) -> Self {
         let step_mm = patch_mm / LENGTHS as f64;
+        let at = wall.feet(patch_mm);
         let foot = |k: usize| {
             let length = step_mm * (k / DIRECTIONS + 1) as f64;
-            wall.foot_and_normal(way(k % DIRECTIONS) * length)
+            at(way(k % DIRECTIONS) * length)
         };
         Self { wall, step_mm, feet: (0..LENGTHS * DIRECTIONS).map(foot).collect() }
     }

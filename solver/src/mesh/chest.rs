@@ -11,6 +11,7 @@ use super::geodesics::{Fan, Way};
 use super::height_field::{Ground, HeightField};
 use crate::number::Real;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// The wall.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,26 +66,35 @@ impl Chest {
     }
 
     /// The point of the wall over a position of the plane \[mm\], and the unit normal outwards.
-    pub(super) fn over(&self, foot: DVec2) -> (DVec3, DVec3) {
+    fn over(&self, foot: DVec2) -> (DVec3, DVec3) {
         let Ground { height, slope } = self.heights::<f64>().at(foot.to_array());
         (foot.extend(height), DVec2::from(slope).extend(-1.0).normalize() * -1.0)
     }
 
-    /// Geodesics up to a length \[mm\] for the many places of a grid; `None` for walls whose geodesics are short work.
-    pub(super) fn fan(&self, reach_mm: f64) -> Option<Fan> {
-        let longest = match *self {
-            // Steps pass over the knots of the heights.
-            Self::Grid(ref grid) => 0.5 * grid.spacing(),
+    /// [`Self::foot_and_normal`] at the many places of a grid within a length \[mm\]: walls without geodesics in closed form have a fan of them,
+    /// within 0.005 mm over waves of 60 mm and a mound 20 mm wide, 2e-6 mm over two radii.
+    pub fn feet(&self, reach_mm: f64) -> impl Fn(DVec2) -> (DVec3, DVec3) {
+        let fan = self.fan(reach_mm);
+        move |place| match &fan {
+            Some(fan) => self.over(fan.foot(place)),
+            None => self.foot_and_normal(place),
+        }
+    }
+
+    /// A fan of geodesics up to a length \[mm\]; `None` for walls whose geodesics are short work.
+    fn fan(&self, reach_mm: f64) -> Option<Arc<Fan>> {
+        match *self {
+            Self::Grid(ref grid) => Some(grid.fan(reach_mm)),
             Self::Curved { across_mm, along_mm }
                 if across_mm.is_finite()
                     && along_mm.is_finite()
                     && across_mm.to_bits() != along_mm.to_bits() =>
             {
-                longest_step(across_mm, along_mm)
+                let longest = longest_step(across_mm, along_mm);
+                Some(Arc::new(Fan::new(&self.heights(), longest, reach_mm)))
             }
-            _ => return None,
-        };
-        Some(Fan::new(&self.heights(), longest, reach_mm))
+            _ => None,
+        }
     }
 
     /// Is the wall its own image mirrored along x, along y?

@@ -5,6 +5,7 @@
 
 use super::height_field::HeightField;
 use glam::DVec2;
+use std::sync::{Arc, OnceLock};
 
 /// Rays of a fan.
 const RAYS: usize = 128;
@@ -95,6 +96,25 @@ impl Fan {
             at += weight * (ends + before.direction * slopes[0] + after.direction * slopes[1]);
         }
         (place / length).rotate(at)
+    }
+}
+
+/// The fan of a wall that was asked for first, shared by the wall's copies.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SharedFan(Arc<OnceLock<(f64, Arc<Fan>)>>);
+
+impl SharedFan {
+    /// The fan up to a length \[mm\].
+    pub(super) fn get(&self, reach: f64, make: impl Fn() -> Fan) -> Arc<Fan> {
+        let (first, fan) = self.0.get_or_init(|| (reach, Arc::new(make())));
+        if first.to_bits() == reach.to_bits() { Arc::clone(fan) } else { Arc::new(make()) }
+    }
+}
+
+impl PartialEq for SharedFan {
+    /// Equal walls have equal fans.
+    fn eq(&self, _: &Self) -> bool {
+        true
     }
 }
 

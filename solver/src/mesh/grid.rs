@@ -1,5 +1,6 @@
 //! What a scan gives: heights of the wall over the plane, factors of the thickness along the wall, each on a grid of its own.
 
+use super::geodesics::{Fan, SharedFan};
 use super::height_field::HeightField;
 use super::spline::Spline;
 use crate::number::Real;
@@ -18,6 +19,7 @@ pub struct HeightGrid {
     /// A mm in the unit of length.
     unit: f64,
     tilt: [f64; 2],
+    fan: SharedFan,
 }
 
 impl HeightGrid {
@@ -28,7 +30,8 @@ impl HeightGrid {
     pub fn new(spacing_mm: f64, counts: [usize; 2], heights_mm: Vec<f64>) -> Option<Self> {
         let (heights, plane) = Spline::new(counts, heights_mm)?.based();
         let tilt = plane.slope.map(|slope| slope / spacing_mm);
-        Some(Self { heights: Arc::new(heights), spacing: spacing_mm, unit: 1.0, tilt })
+        let (heights, fan) = (Arc::new(heights), SharedFan::default());
+        Some(Self { heights, spacing: spacing_mm, unit: 1.0, tilt, fan })
     }
 
     /// Slope of the subtracted plane along x and y \[-\].
@@ -69,7 +72,13 @@ impl HeightGrid {
     }
 
     pub(super) fn scaled(&self, factor: f64) -> Self {
-        Self { spacing: self.spacing * factor, unit: self.unit * factor, ..self.clone() }
+        let (spacing, unit) = (self.spacing * factor, self.unit * factor);
+        Self { spacing, unit, fan: SharedFan::default(), ..self.clone() }
+    }
+
+    /// Geodesics up to a length \[mm\]. Their steps pass over the knots of the heights.
+    pub(super) fn fan(&self, reach: f64) -> Arc<Fan> {
+        self.fan.get(reach, || Fan::new(&self.heights(), 0.5 * self.spacing, reach))
     }
 }
 

@@ -170,14 +170,19 @@ impl Rest {
 
     /// Computes the columns that are not `known` by their node and its place. Those of nodes outside of the patch stand anywhere on
     /// the wall.
-    fn placed(mut self, known: impl Fn(usize, DVec2) -> Option<(DVec3, DVec3)>) -> Self {
-        self.columns = Arc::default();
-        if self.chest == Chest::Flat && self.thickness.is_none() && self.taper.is_none() {
-            return self;
-        }
+    fn placed(self, known: impl Fn(usize, DVec2) -> Option<(DVec3, DVec3)>) -> Self {
+        let is_even = self.chest == Chest::Flat && self.thickness.is_none() && self.taper.is_none();
+        let columns = if is_even { Arc::default() } else { self.placed_columns(known) };
+        Self { columns, ..self }
+    }
+
+    fn placed_columns(
+        &self,
+        known: impl Fn(usize, DVec2) -> Option<(DVec3, DVec3)>,
+    ) -> Arc<[(DVec3, DVec3)]> {
         let (places, kinds) = (self.sheet.rest(), self.sheet.kinds());
         // Without use where all columns are known.
-        let fan = LazyCell::new(|| self.chest.fan(self.sheet.radius_mm()));
+        let feet = LazyCell::new(|| self.chest.feet(self.sheet.radius_mm()));
         let column = |(node, &place): (usize, &DVec2)| {
             // Nodes outside of the patch may lie beyond the wall.
             let within = place.clamp_length_max(self.sheet.radius_mm());
@@ -185,16 +190,12 @@ impl Rest {
                 return (within.extend(self.chest.height(within)), DVec3::Z);
             }
             known(node, place).unwrap_or_else(|| {
-                let (foot, normal) = match &*fan {
-                    Some(fan) => self.chest.over(fan.foot(within)),
-                    None => self.chest.foot_and_normal(within),
-                };
+                let (foot, normal) = feet(within);
                 let factor = self.thickness.as_ref().map(|field| field.factor(within));
                 (foot, factor.map_or(normal, |factor| normal * factor))
             })
         };
-        self.columns = places.iter().enumerate().map(column).collect();
-        self
+        places.iter().enumerate().map(column).collect()
     }
 
     /// The grid of columns.
