@@ -1,7 +1,7 @@
 //! Repairs a scene whose implant does not fit into its pocket, or whose tissue does not fit onto its chest, after an edit, and
 //! reports the change.
 
-use super::{Body, Field, Implant, Scene, field, limits};
+use super::{Body, Field, Implant, Scene, ThicknessGrid, field, limits};
 
 /// The change that made the scene valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,9 +64,10 @@ impl Scene {
         (self.body.patch_radius_mm - self.default_patch(self.pocket_radius_mm)).abs() < 1e-9
     }
 
-    /// Default radius of the patch around a pocket \[mm\].
+    /// Default radius of the patch around a pocket \[mm\], at most as far as the thickness of a body is known.
     fn default_patch(&self, pocket_radius_mm: f64) -> f64 {
-        Body::around(pocket_radius_mm, self.body.tissue_model).patch_radius_mm
+        let around = Body::around(pocket_radius_mm, self.body.tissue_model).patch_radius_mm;
+        around.min(self.thickness_field.as_ref().map_or(f64::INFINITY, ThicknessGrid::reach_mm))
     }
 
     /// Enlarges the patch to the least around the pocket.
@@ -157,6 +158,16 @@ mod tests {
         // A patch that is too small for the pocket is enlarged.
         scene.set_pocket_radius(110.0);
         assert_eq!((scene.repair(), patch(&scene)), (None, 130.0));
+        // The tissue of a body is known up to an edge, which a patch passes only where the pocket needs it.
+        let mut fitted = Scene::opening();
+        let factors = vec![1.5; 65 * 65].into();
+        fitted.thickness_field =
+            Some(ThicknessGrid { spacing_mm: 4.0625, columns: 65, rows: 65, factors });
+        for (pocket, wanted) in [(82.0, 130.0), (60.0, 120.0), (70.0, 130.0)] {
+            fitted.set_pocket_radius(pocket);
+            assert!(fitted.validate().is_ok(), "{pocket}");
+            assert!((patch(&fitted) - wanted).abs() < 1e-9, "{pocket}: {}", patch(&fitted));
+        }
         let mut sheet = Scene::sheet();
         sheet.set_pocket_radius(90.0);
         assert_eq!((sheet.pocket_radius_mm, patch(&sheet)), (90.0, 150.0));

@@ -27,6 +27,13 @@ pub struct ThicknessGrid {
     pub factors: Arc<[f64]>,
 }
 
+impl ThicknessGrid {
+    /// Distance of the nearest edge from the pocket's centre along the wall \[mm\].
+    pub(super) fn reach_mm(&self) -> f64 {
+        0.5 * (self.columns.min(self.rows).saturating_sub(1)) as f64 * self.spacing_mm
+    }
+}
+
 /// Factors of the thickness.
 pub(super) const FACTORS: (f64, f64) = (0.05, 20.0);
 

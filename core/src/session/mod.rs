@@ -169,6 +169,8 @@ impl Session {
                     self.set_pins(pins)?;
                 }
                 self.replace(scene, false);
+                // A solve that is cancelled, or finds no shape, does not take an opened plan back.
+                self.valid.clone_from(&self.scene);
                 self.last_gesture = None;
             }
             Command::Undo => {

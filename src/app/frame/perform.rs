@@ -18,6 +18,10 @@ use crate::scene::Scene;
 use crate::session::{Command, CommandError};
 use crate::view::camera::View;
 use crate::view::quantity::Quantity;
+
+/// What an opened plan with her chest, but without her surface, does not show.
+const STAND_IN: &str =
+    "Her body is not in it: the picture is that of a usual torso, the numbers are hers.";
 use eframe::egui;
 
 impl App {
@@ -191,7 +195,10 @@ impl App {
         match opened {
             Ok(()) => {
                 self.look_at_all();
-                Notice::info(done)
+                match self.shared.has_stand_in() {
+                    true => Notice::caution(format!("{done} {}", tr(STAND_IN))),
+                    false => Notice::info(done),
+                }
             }
             Err(error) => Notice::error(tr!(
                 "{name} was not opened; the plan is unchanged. {error}",

@@ -71,6 +71,11 @@ impl Shared {
         has_body(&self.session)
     }
 
+    /// Is the drawn body a usual one, in place of hers, whose chest the plan has without her surface?
+    pub(crate) fn has_stand_in(&self) -> bool {
+        self.session.scene().chest_grid.is_some() && !self.has_surface()
+    }
+
     /// The plane of the cross-section: the chosen one, else that in which the implant shows its shape.
     pub(crate) fn section_plane(&self) -> SectionPlane {
         self.chosen_plane.unwrap_or_else(|| SectionPlane::of(self.session.scene()))

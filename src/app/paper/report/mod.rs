@@ -85,7 +85,7 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
 
 /// The pictures of the report with what belongs to them, in their order on paper: all drawn while the view is elsewhere.
 fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
-    let shared_has_surface = shared.has_surface();
+    let (shared_has_surface, has_stand_in) = (shared.has_surface(), shared.has_stand_in());
     let Shared { session, compare, uncertainty, viewport, choices, practices, .. } = shared;
     let (session, compare, device) = (&*session, &*compare, choices.device);
     let practices = &*practices;
@@ -119,6 +119,10 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
             let side = answer::with_side(tr("From the patient's side"), session);
             let names = [tr("From the front"), tr("Three-quarter view"), &*side];
             for (pose, name) in Standing::ALL.into_iter().zip(names) {
+                let name = match has_stand_in {
+                    true => &tr!("{name}, of a usual torso", name),
+                    false => name,
+                };
                 poses.push(take(name, pose_size, &mut |ui| viewport.show(ui, standing(pose)))?);
             }
         }
