@@ -115,6 +115,12 @@ fn a_scan_with_its_marks_becomes_the_body_of_the_plan_in_one_step() {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         settle(&mut harness);
         assert_eq!(scene(&harness), before, "one step of the history");
+        // Opened without her surface, the plan says whose body is drawn; her tissue carries a wider implant.
+        let file = File("plan.json", after.without_surface().to_json().into_bytes());
+        drop_file(&mut harness, file, "the picture is that of a usual torso");
+        harness.state_mut().set_plan("width_cm", "14,5").unwrap();
+        assert_eq!(scene(&harness).implant.base_radius_mm, 72.5);
+        assert_eq!(scene(&harness).body.patch_radius_mm, after.body.patch_radius_mm);
     }
 }
 
