@@ -88,6 +88,7 @@ fn a_plan_for_each_breast_is_edited_on_its_own_and_comes_back_by_undo() {
     press(&mut harness, BOTH);
     assert_eq!((scene(&harness).side, scene(&harness).other_side), (Some(Side::Both), None));
     assert!(harness.query_by_label("· left").is_none());
+    harness.get_by_label_contains("Undo brings it back");
 }
 
 #[test]

@@ -87,6 +87,8 @@ pub struct Session {
     measured: Option<Measured>,
     /// The last scene with a valid solution.
     valid: Scene,
+    /// A plan that was opened since.
+    opened: Option<Scene>,
     reverted: Option<Invalid>,
     counters: Cell<Counters>,
     /// In the order of their letters.
@@ -111,6 +113,7 @@ impl Session {
         let other_side = OtherSide::of(&scene);
         Ok(Self {
             valid: scene.clone(),
+            opened: None,
             reverted: None,
             scene,
             undo: Vec::new(),
@@ -169,8 +172,7 @@ impl Session {
                     self.set_pins(pins)?;
                 }
                 self.replace(scene, false);
-                // A solve that is cancelled, or finds no shape, does not take an opened plan back.
-                self.valid.clone_from(&self.scene);
+                self.opened = Some(self.scene.clone());
                 self.last_gesture = None;
             }
             Command::Undo => {
@@ -283,6 +285,7 @@ impl Session {
         self.state = State::Held;
         self.count(|c| c.shared += 1);
         self.valid.clone_from(&scene);
+        self.opened = None;
         std::mem::replace(&mut self.scene, scene)
     }
 
@@ -325,7 +328,10 @@ impl Session {
                     return Progress::Working;
                 }
                 Some(_) => {}
-                None => self.valid.clone_from(&self.scene),
+                None => {
+                    self.valid.clone_from(&self.scene);
+                    self.opened = None;
+                }
             }
         }
         if has_moved || progress == Progress::Done {
@@ -373,7 +379,9 @@ impl Session {
             Some(_) => self.valid.side,
             None => self.scene.side,
         };
-        let valid = Scene { side, visit, ..self.valid.clone() };
+        // First back to a plan that was opened since.
+        let opened = self.opened.take().filter(|opened| !opened.is_same_plan(&self.scene));
+        let valid = opened.unwrap_or_else(|| Scene { side, visit, ..self.valid.clone() });
         if valid.is_same_plan(&self.scene) {
             return false;
         }

@@ -91,10 +91,3 @@ pub(crate) enum Action {
     Notify(Notice),
     CloseNotice,
 }
-
-impl Action {
-    /// Says why a change was refused.
-    pub(crate) fn refuse(words: String) -> Self {
-        Self::Notify(Notice::error(words))
-    }
-}

@@ -51,8 +51,8 @@ pub(crate) struct Edits {
     /// The text field of the visit with the focus, in this frame and in the previous one.
     pub(crate) typing: (Option<egui::Id>, Option<egui::Id>),
     pub(crate) press: Press,
-    /// Notice about a position requested in this frame that does not fit the pocket.
-    pub(crate) position_notice: Option<Notice>,
+    /// Notice about an edit of this frame: a position that does not fit the pocket, a side's plan that went or was refused.
+    pub(crate) notice: Option<Notice>,
 }
 
 /// The last press of the pointer.
@@ -140,7 +140,7 @@ impl App {
     pub(crate) fn take_edits(&mut self, ctx: &egui::Context, scene: &mut Scene) {
         self.submit_edits(ctx, scene);
         // An edit clears the previous notice, so a notice about this edit is stored after it.
-        self.notice = self.edits.position_notice.take().or(self.notice.take());
+        self.notice = self.edits.notice.take().or(self.notice.take());
         self.edits.has_solved = self.is_solving();
         self.solve_slice(ctx);
         if scene != self.shared.session.scene() {

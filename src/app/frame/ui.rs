@@ -136,15 +136,15 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        let refused = plan::sides(ui, scene, Hand::Mouse);
-        self.actions.extend(refused.map(Action::refuse));
+        self.edits.notice = plan::sides(ui, scene, Hand::Mouse);
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
         steady(ui, "patient and pocket", |ui| {
             self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
             plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
             plan::pocket(ui, scene, Hand::Mouse);
-            self.edits.position_notice = plan::position(ui, scene, Hand::Mouse);
+            let of_position = plan::position(ui, scene, Hand::Mouse);
+            self.edits.notice = of_position.or(self.edits.notice.take());
             self.tissue(ui, scene, Hand::Mouse);
             advanced::show(ui, scene, &self.shared.session, Hand::Mouse);
         });
@@ -180,8 +180,7 @@ impl App {
         match self.screen.narrow_tab {
             NarrowTab::Implant => {
                 self.largest_usual(ui);
-                let refused = plan::sides(ui, scene, Hand::Finger);
-                self.actions.extend(refused.map(Action::refuse));
+                self.edits.notice = plan::sides(ui, scene, Hand::Finger);
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
                 self.panels.shelf_largest.show(ui, scene, &mut self.actions);
@@ -194,7 +193,7 @@ impl App {
             }
             NarrowTab::Pocket => {
                 plan::pocket(ui, scene, Hand::Finger);
-                self.edits.position_notice = plan::position(ui, scene, Hand::Finger);
+                self.edits.notice = plan::position(ui, scene, Hand::Finger);
             }
             NarrowTab::More => {
                 self.answer(ui, Layout::Narrow);

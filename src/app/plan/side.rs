@@ -1,6 +1,7 @@
 //! The side of the breast, and whether each side has a plan of its own.
 
 use super::{Hand, chip, chip_button, chips};
+use crate::app::frame::messages::Notice;
 use crate::app::texts::{shown, tr};
 use crate::app::widgets::drop_typed_number;
 use crate::app::widgets::theme::SPACE;
@@ -25,14 +26,15 @@ pub(crate) fn side(ui: &mut Ui, side: &mut Option<Side>, fixed: Option<&str>, ha
     });
 }
 
-/// The choice of the side whose plan is shown and edited, and of one plan for both sides or one each, in a row. Returns why they have not.
-pub(crate) fn sides(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<String> {
+/// The choice of the side whose plan is shown and edited, and of one plan for both sides or one each, in a row. Returns why they have not,
+/// or that a plan went.
+pub(crate) fn sides(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<Notice> {
     let (now, is_own) = (scene.side, scene.other_side.is_some());
     // Without a plan of its own the other side of a scan has none.
     let is_scanned = scene.placement.is_some();
     let is_offered =
         |side: &Side| *side != Side::Both && (is_own || !is_scanned || now == Some(*side));
-    let mut refused = None;
+    let mut notice = None;
     chips(ui, |ui| {
         let chosen = choices(ui, now, Side::ALL.into_iter().filter(is_offered), hand);
         // In the frame of the click a number that is typed becomes one of the side before.
@@ -54,12 +56,16 @@ pub(crate) fn sides(ui: &mut Ui, scene: &mut Scene, hand: Hand) -> Option<String
             return;
         }
         if !is_own {
-            refused = scene.add_other_side().err().map(|error| shown(&error.to_string()));
+            let refused = scene.add_other_side().err();
+            notice = refused.map(|error| Notice::error(shown(&error.to_string())));
         } else if is_scanned {
             scene.other_side = None;
         }
     });
-    refused
+    if is_own && scene.other_side.is_none() {
+        notice = Some(Notice::info(tr("The other side's plan was removed; Undo brings it back.")));
+    }
+    notice
 }
 
 /// The chips of the sides behind their name. Returns the chosen one.
