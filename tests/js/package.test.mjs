@@ -235,7 +235,7 @@ describe("the package", { timeout: 4 * harness.PATIENCE }, () => {
       /^Error: triangles\[0\] is \[0, 1, 4294967295\]; allowed: vertices 0 to \d+$/,
       /^Error: triangles is empty; /,
       /^Error: positions\[0\] is \[NaN, NaN, NaN\]; allowed: numbers up to 1e7 mm$/,
-      /^Error: sternal_notch is missing; /,
+      /^Error: marks: sternal_notch is missing; /,
       /^Error: side is "middle"; /,
       /^Error: cover_mm is 3; allowed: 6 to 30 mm$/,
       /^Error: the scene has no member body; /,
