@@ -5,7 +5,7 @@
 use implant_preview::clinical::Measurements;
 use implant_preview::measure::bands::SkinLimits;
 use implant_preview::measure::{Field, Outcome, Status};
-use implant_preview::scene::{CellsThrough, Layer, Scene, Springs, TissueModel};
+use implant_preview::scene::{CellsThrough, Layer, Scene, Springs, TissueModel, Visit};
 use implant_preview::session::{Command, Counters, Session};
 use implant_preview::solve::{Displayed, Method, Options, Progress, Solver};
 use implant_preview::view::picture::Picture;
@@ -160,6 +160,17 @@ fn a_cancelled_solve_takes_an_edit_back_before_the_plan_that_was_opened() {
     edit(&mut session, 2, |scene| scene.insertion = 0.5);
     session.cancel();
     assert_eq!(session.scene(), &opened);
+    // A plan that was opened and taken back is none to go back to, and the visit stays as it is.
+    session.apply(Command::Open(Scene { insertion: 0.4, ..small() }.to_json())).unwrap();
+    session.apply(Command::Undo).unwrap();
+    session.cancel();
+    assert_eq!(session.scene(), &opened);
+    session.apply(Command::Open(Scene { insertion: 0.4, ..small() }.to_json())).unwrap();
+    let visit = Some(Visit { surgeon: "Dr A".to_owned(), ..Visit::default() });
+    edit(&mut session, 3, |scene| scene.visit.clone_from(&visit));
+    edit(&mut session, 4, |scene| scene.insertion = 0.3);
+    session.cancel();
+    assert_eq!((session.scene().insertion, &session.scene().visit), (0.4, &visit));
 }
 
 #[test]

@@ -172,7 +172,6 @@ fn limit_slope(grid: Grid, heights: &mut [f64]) {
 }
 
 /// Thickness of the tissue along the wall's normals at lengths along the wall \[mm\], on the grid of the heights.
-///
 pub(crate) fn thickness(grid: Grid, skin: &[f64], wall: &[f64]) -> Option<Vec<f64>> {
     let heights = HeightGrid::new(grid.spacing_mm, [grid.side(); 2], wall.to_vec())?;
     // The wall counts from its tangent plane at the centre.

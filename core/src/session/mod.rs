@@ -373,15 +373,14 @@ impl Session {
     /// Reverts to the last scene with a valid solution and solves that scene; [`Command::Redo`] restores the reverted
     /// scene. False if the current scene is the last valid scene.
     fn take_back(&mut self) -> bool {
+        // First back to a plan that was opened since, of which the present one is an edit.
+        let is_before =
+            |opened: &Scene| self.undo.contains(opened) && !opened.is_same_plan(&self.scene);
+        let valid = self.opened.take().filter(is_before).unwrap_or_else(|| self.valid.clone());
         // Side and visit are none of the solve's: their edits stay, unless each side has a plan of its own.
         let visit = self.scene.visit.clone();
-        let side = match self.valid.other_side {
-            Some(_) => self.valid.side,
-            None => self.scene.side,
-        };
-        // First back to a plan that was opened since.
-        let opened = self.opened.take().filter(|opened| !opened.is_same_plan(&self.scene));
-        let valid = opened.unwrap_or_else(|| Scene { side, visit, ..self.valid.clone() });
+        let side = if valid.other_side.is_some() { valid.side } else { self.scene.side };
+        let valid = Scene { side, visit, ..valid };
         if valid.is_same_plan(&self.scene) {
             return false;
         }

@@ -177,7 +177,7 @@ impl App {
         });
         match restored {
             Ok(plan) => {
-                if plan.0.chest_grid.is_some() && plan.0.placement.is_none() {
+                if self.shared.has_stand_in() {
                     self.notice = Some(Notice::caution(tr(NO_BODY)));
                 }
                 self.keep.plan = plan;

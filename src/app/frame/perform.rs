@@ -18,11 +18,11 @@ use crate::scene::Scene;
 use crate::session::{Command, CommandError};
 use crate::view::camera::View;
 use crate::view::quantity::Quantity;
+use eframe::egui;
 
 /// What an opened plan with her chest, but without her surface, does not show.
 const STAND_IN: &str =
     "Her body is not in it: the picture is that of a usual torso, the numbers are hers.";
-use eframe::egui;
 
 impl App {
     /// Executes the actions of the panels so far.

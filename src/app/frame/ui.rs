@@ -136,15 +136,14 @@ impl App {
 
     /// The parts of the plan, for a mouse.
     fn plan(&mut self, ui: &mut Ui, scene: &mut Scene) {
-        self.edits.notice = plan::sides(ui, scene, Hand::Mouse);
+        let of_sides = plan::sides(ui, scene, Hand::Mouse);
         plan::implant(ui, scene, &mut self.shared.choices, &self.shared.volume_marks, Hand::Mouse);
         self.panels.shelf_largest.show(ui, scene, &mut self.actions);
         steady(ui, "patient and pocket", |ui| {
             self.edits.typing.0 = plan::patient(ui, scene, &self.shared.practices, Hand::Mouse);
             plan::practice(ui, scene, &self.shared.practices, Hand::Mouse);
             plan::pocket(ui, scene, Hand::Mouse);
-            let of_position = plan::position(ui, scene, Hand::Mouse);
-            self.edits.notice = of_position.or(self.edits.notice.take());
+            self.edits.notice = plan::position(ui, scene, Hand::Mouse).or(of_sides);
             self.tissue(ui, scene, Hand::Mouse);
             advanced::show(ui, scene, &self.shared.session, Hand::Mouse);
         });
