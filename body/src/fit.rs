@@ -8,7 +8,7 @@ use crate::chest::{self, Quadric};
 use crate::field::Field;
 use crate::frame::Frame;
 use crate::grid::Grid;
-use crate::marks::{BodyAxes, Marks, MarksError, Side};
+use crate::marks::{BodyAxes, BreastMarks, Marks, MarksError, Side};
 use crate::pick::snap;
 use crate::quality::{Quality, Scan};
 use crate::raster::View;
@@ -150,9 +150,15 @@ fn fitted(
         let middle = subject.heights(&frame)[grid.len() / 2];
         frame = frame.raised(if middle.is_finite() { middle } else { 0.0 });
     }
+    // A proposed base lies on the middle of the breast's width, as seen along the chest's normal.
+    let BreastMarks { medial, lateral, .. } = *marks.breast(side)?;
+    let centred = |frame: Frame| match is_proposed {
+        true => frame.moved_across(frame.local(medial.midpoint(lateral)).x),
+        false => frame,
+    };
     for _ in 0..ROUNDS {
         let (_, quadric) = subject.chest(&frame)?;
-        frame = turned(&frame, quadric.normal())?;
+        frame = centred(turned(&frame, quadric.normal())?);
     }
     let (field, quadric) = subject.chest(&frame)?;
     let fields = Fields::new(&field, &quadric, settings);
@@ -165,7 +171,7 @@ fn fitted(
     }
     // The smoothed residual tilts the wall by up to some degrees: at last z is the wall's own normal.
     let slope = grid.slope(&fields.wall_mm, grid.len() / 2);
-    frame = turned(&frame, (-slope).extend(1.0))?;
+    frame = centred(turned(&frame, (-slope).extend(1.0))?);
     let (field, quadric) = subject.chest(&frame)?;
     let mut fields = Fields::new(&field, &quadric, settings);
     let raise = fields.move_to_wall(grid);

@@ -65,6 +65,12 @@ impl Frame {
     /// The frame moved along its z \[mm\].
     #[must_use]
     pub fn raised(&self, by_mm: f64) -> Self {
-        Self { origin: self.point(DVec3::new(0.0, 0.0, by_mm)), ..*self }
+        Self { origin: self.point(DVec3::Z * by_mm), ..*self }
+    }
+
+    /// The frame moved along its x \[mm\].
+    #[must_use]
+    pub(crate) fn moved_across(&self, by_mm: f64) -> Self {
+        Self { origin: self.point(DVec3::X * by_mm), ..*self }
     }
 }

@@ -130,7 +130,7 @@ pub fn shaped_with_arms(tape: &Tape) -> Result<(Torso, Surface, Tape), FitError>
         let mut torso = builtin();
         torso.surface.positions.iter_mut().for_each(|at| *at *= scale);
         torso.marks = torso.marks.mapped(|at| at * scale);
-        let mound = Mound::new(&torso)?;
+        let mound = Mound::new(&torso, shape::CENTRE * scale)?;
         let shape = mound.shaped(tape, &torso);
         let found = mound.tape(&shape, &torso);
         trunk += 1;
@@ -237,7 +237,7 @@ mod tests {
         let own = builtin();
         let (torso, tape) = shaped(&Tape::OWN).unwrap();
         assert_eq!(torso, own);
-        let mound = Mound::new(&own).unwrap();
+        let mound = Mound::new(&own, shape::CENTRE).unwrap();
         let (found, given) = (mound.tape(&Shape::of([0.0; 4]), &own), Tape::OWN);
         for (found, given) in [
             (found.chest_width_mm, given.chest_width_mm),

@@ -4,13 +4,13 @@ use super::{Tape, Torso, chest_width};
 use crate::chest::solved;
 use crate::fit::{self, BodyFit, FitError, Settings};
 use crate::grid::smooth_step;
-use crate::marks::Side;
+use crate::marks::{BreastMarks, Marks, Side};
 use glam::{DVec2, DVec3};
 
 /// Radius of the fit's patch \[mm\].
 const PATCH_MM: f64 = 130.0;
-/// Base radius whose proposed centre, 65 mm above the fold and so above the nipple, is the origin of the mound's frame \[mm\].
-const FRAME_RADIUS_MM: f64 = 79.0;
+/// The place on the skin of the built-in torso over the origin of the mound's frame, medial of the nipple and above it \[mm\].
+pub(super) const CENTRE: DVec3 = DVec3::new(79.03, 374.39, 167.36);
 /// Depth below the bare chest in which the skin ceases to follow the mound across \[mm\].
 const BELOW_MM: f64 = 30.0;
 /// The mound ends between these multiples of the breast's half widths \[-\].
@@ -64,15 +64,14 @@ pub(super) struct Shape {
 }
 
 impl Mound {
-    pub(super) fn new(torso: &Torso) -> Result<Self, FitError> {
+    /// The mound of a torso, its frame at a place on the skin.
+    pub(super) fn new(torso: &Torso, centre: DVec3) -> Result<Self, FitError> {
         let Torso { surface, marks } = torso;
-        let settings = Settings {
-            patch_radius_mm: PATCH_MM,
-            base_radius_mm: FRAME_RADIUS_MM,
-            ..Settings::default()
-        };
-        let fit = fit::fit(surface, marks, Side::Left, &settings)?;
+        let settings = Settings { patch_radius_mm: PATCH_MM, ..Settings::default() };
         let breast = marks.breast(Side::Left)?;
+        let marked = BreastMarks { implant_centre: Some(centre), ..*breast };
+        let placed = Marks { breasts: [Some(marked), None], ..*marks };
+        let fit = fit::fit(surface, &placed, Side::Left, &settings)?;
         let place = |point: DVec3| fit.frame.local(point).truncate();
         let at = Places {
             nipple: place(marks.nipple(Side::Left)),
