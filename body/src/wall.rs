@@ -125,23 +125,31 @@ pub(crate) fn skin_and_wall(
 /// Raises heights until every hollow has a radius of 6 times the tissue there \[mm\], along the grid and its diagonals.
 fn fill_hollows(grid: Grid, heights: &mut [f64], tissue: &[f64]) {
     let side = grid.side();
+    // Rows that were raised when they were swept last: a row between others that were not stays.
+    let mut is_raised = vec![true; side];
     for _ in 0..HOLLOW_SWEEPS {
-        let mut is_raised = false;
-        for (row, column) in (1..side - 1).flat_map(|row| (1..side - 1).map(move |c| (row, c))) {
-            let node = row * side + column;
-            let most_sag = 0.5 * grid.spacing_mm.powi(2) / (HOLLOW * tissue[node]);
-            // Squared length of a step \[spacings²\].
-            let ways = [(1, 1.0), (side, 1.0), (side + 1, 2.0), (side - 1, 2.0)];
-            let least = ways.into_iter().map(|(step, squared)| {
-                0.5 * (heights[node - step] + heights[node + step]) - squared * most_sag
-            });
-            let least = least.fold(f64::NEG_INFINITY, f64::max);
-            if least > heights[node] + HOLLOW_MM {
-                heights[node] = least;
-                is_raised = true;
+        for row in 1..side - 1 {
+            if !(is_raised[row - 1] || is_raised[row] || is_raised[row + 1]) {
+                continue;
+            }
+            is_raised[row] = false;
+            for node in row * side + 1..row * side + side - 1 {
+                let most_sag = 0.5 * grid.spacing_mm.powi(2) / (HOLLOW * tissue[node]);
+                // Squared length of a step \[spacings²\].
+                let ways = [(1, 1.0), (side, 1.0), (side + 1, 2.0), (side - 1, 2.0)];
+                let least = ways.into_iter().map(|(step, squared)| {
+                    0.5 * (heights[node - step] + heights[node + step]) - squared * most_sag
+                });
+                let least = least.fold(f64::NEG_INFINITY, f64::max);
+                if least > heights[node] + HOLLOW_MM {
+                    heights[node] = least;
+                    is_raised[row] = true;
+                }
             }
         }
-        if !is_raised {
+        is_raised[0] = false;
+        is_raised[side - 1] = false;
+        if !is_raised.contains(&true) {
             return;
         }
     }
