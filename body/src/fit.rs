@@ -2,15 +2,16 @@
 //!
 //! Rounds renew the frame: the height field of the skin in the frame, the nodes that hang together with the implant's centre, those beside
 //! both breasts that face outwards (n_z > 0.6) as data, a quadric through the data ([`crate::chest`]), whose normal at the implant's centre is the
-//! next frame's z. The normal is within 0.3° to 2.4° of that of the true chest with exact marks, ≤ 5.5° with marks 8 mm off.
+//! next frame's z. A proposed centre moves to the middle of the breast's width in each frame. The normal is within 0.3° to 2.4° of that of the
+//! true chest with exact marks, ≤ 5.5° with marks 8 mm off.
 
-use crate::chest::{self, Quadric};
+use crate::chest::{self, Ellipse, Quadric};
 use crate::field::Field;
 use crate::frame::Frame;
 use crate::grid::Grid;
 use crate::marks::{BodyAxes, BreastMarks, Marks, MarksError, Side};
 use crate::pick::snap;
-use crate::quality::{Quality, Scan};
+use crate::quality::{Quality, Scan, carries_pocket};
 use crate::raster::View;
 use crate::surface::Surface;
 use crate::wall;
@@ -87,6 +88,8 @@ pub enum FitError {
 
 /// Renewals of the frame: after the first three the normal turns by less than 0.1°.
 const ROUNDS: usize = 4;
+/// Ways by which a proposed centre moves to the midline where the pocket has no skin \[mm\].
+const INWARDS_MM: [f64; 4] = [5.0, 10.0, 15.0, 20.0];
 /// Nodes of the grid from its centre to the patch's edge.
 const NODES: usize = 32;
 /// Nodes of the grid beyond the patch.
@@ -133,52 +136,46 @@ fn fitted(
     settings: &Settings,
     has_limits: bool,
 ) -> Result<BodyFit, FitError> {
-    marks.check(side)?;
-    let axes = marks.axes()?;
-    let center = marks.implant_centre(side, settings.base_radius_mm)?;
-    let (outwards, orientation) = mean_normal(surface, center, &axes).ok_or(FitError::NoSkin)?;
-    let off_skin = if has_limits { farthest_mark(surface, marks, side)? } else { None };
-    let grid = Grid { half: NODES + BEYOND, spacing_mm: settings.patch_radius_mm / NODES as f64 };
     let welded = surface.weld();
-    let subject = Subject { surface, welded: &welded, orientation, marks, side, settings, grid };
-    let turned = |frame: &Frame, outwards: DVec3| {
-        Frame::new(frame.origin, frame.direction(outwards), axes.head, side).ok_or(FitError::NoData)
-    };
-    let mut frame = Frame::new(center, outwards, axes.head, side).ok_or(FitError::NoSkin)?;
-    let is_proposed = marks.breast(side)?.implant_centre.is_none();
-    if is_proposed {
-        let middle = subject.heights(&frame)[grid.len() / 2];
-        frame = frame.raised(if middle.is_finite() { middle } else { 0.0 });
-    }
-    // A proposed base lies on the middle of the breast's width, as seen along the chest's normal.
-    let BreastMarks { medial, lateral, .. } = *marks.breast(side)?;
-    let centred = |frame: Frame| match is_proposed {
-        true => frame.moved_across(frame.local(medial.midpoint(lateral)).x),
-        false => frame,
-    };
-    for _ in 0..ROUNDS {
-        let (_, quadric) = subject.chest(&frame)?;
-        frame = centred(turned(&frame, quadric.normal())?);
-    }
-    let (field, quadric) = subject.chest(&frame)?;
-    let fields = Fields::new(&field, &quadric, settings);
-    let quality = subject.quality(&frame, &field, &quadric, &fields)?;
-    let above_nipple = (center - marks.nipple(side)).dot(axes.head);
-    let above_nipple_mm = if is_proposed { above_nipple } else { 0.0 };
-    let quality = Quality { off_skin, above_nipple_mm, ..quality };
+    let subject = Subject::new(surface, &welded, (marks, side), settings)?;
+    let off_skin = if has_limits { farthest_mark(surface, marks, side)? } else { None };
+    let placed = subject.placed()?;
+    let quality = Quality { off_skin, ..subject.quality(&placed) };
     if let Some(line) = quality.error().filter(|_| has_limits) {
         return Err(FitError::Limit(line));
     }
-    // The smoothed residual tilts the wall by up to some degrees: at last z is the wall's own normal.
-    let slope = grid.slope(&fields.wall_mm, grid.len() / 2);
-    frame = centred(turned(&frame, (-slope).extend(1.0))?);
-    let (field, quadric) = subject.chest(&frame)?;
-    let mut fields = Fields::new(&field, &quadric, settings);
-    let raise = fields.move_to_wall(grid);
-    let Fields { skin_mm, bare_mm, wall_mm, .. } = fields;
+    let (frame, Fields { skin_mm, bare_mm, wall_mm, .. }) = subject.on_wall(&placed)?;
+    let grid = subject.grid;
     let thickness_mm = wall::thickness(grid, &skin_mm, &wall_mm).ok_or(FitError::NoData)?;
-    let frame = frame.raised(raise);
     Ok(BodyFit { frame, grid, skin_mm, bare_mm, wall_mm, thickness_mm, quality })
+}
+
+/// A fit as far as the bare chest: frame and grid with the heights of the skin and of the bare chest.
+pub(crate) struct Bare {
+    pub(crate) frame: Frame,
+    pub(crate) grid: Grid,
+    pub(crate) skin_mm: Vec<f64>,
+    pub(crate) bare_mm: Vec<f64>,
+}
+
+impl Bare {
+    /// The left side of a body that is no scan.
+    pub(crate) fn fitted(surface: &Surface, marks: &Marks) -> Result<Self, FitError> {
+        let (welded, settings) = (surface.weld(), Settings::default());
+        let subject = Subject::new(surface, &welded, (marks, Side::Left), &settings)?;
+        let (frame, Fields { skin_mm, bare_mm, .. }) = subject.on_wall(&subject.placed()?)?;
+        Ok(Self { frame, grid: subject.grid, skin_mm, bare_mm })
+    }
+
+    /// Volume between skin and bare chest in the ellipse of the left breast's marks \[ml\].
+    pub(crate) fn volume_ml(&self, marks: &Marks) -> f64 {
+        let Some(ellipse) = Ellipse::of_breast(&self.frame, (marks, Side::Left), 0.0) else {
+            return 0.0;
+        };
+        let nodes = (0..self.grid.len()).filter(|&node| ellipse.contains(self.grid.place(node)));
+        let depth = |node: usize| (self.skin_mm[node] - self.bare_mm[node]).max(0.0);
+        nodes.map(depth).sum::<f64>() * self.grid.spacing_mm.powi(2) / 1e3
+    }
 }
 
 /// The mark of a side that is farthest off the surface, and its distance \[mm\]; `None`: all lie on it.
@@ -227,14 +224,114 @@ fn mean_normal(surface: &Surface, center: DVec3, axes: &BodyAxes) -> Option<(DVe
 struct Subject<'a> {
     surface: &'a Surface,
     welded: &'a [u32],
-    orientation: f64,
     marks: &'a Marks,
     side: Side,
+    breast: BreastMarks,
+    axes: BodyAxes,
     settings: &'a Settings,
     grid: Grid,
+    /// The implant's centre: marked, or proposed and on no surface.
+    center: DVec3,
+    /// Mean unit normal of the skin about the centre, and +1, or −1 for normals inwards.
+    outwards: DVec3,
+    orientation: f64,
 }
 
-impl Subject<'_> {
+/// Frame, skin and quadric after the rounds, with their fields.
+struct Placed {
+    frame: Frame,
+    field: Field,
+    quadric: Quadric,
+    fields: Fields,
+}
+
+impl<'s> Subject<'s> {
+    fn new(
+        surface: &'s Surface,
+        welded: &'s [u32],
+        (marks, side): (&'s Marks, Side),
+        settings: &'s Settings,
+    ) -> Result<Self, FitError> {
+        marks.check(side)?;
+        let (breast, axes) = (*marks.breast(side)?, marks.axes()?);
+        let center = marks.implant_centre(side, settings.base_radius_mm)?;
+        let (outwards, orientation) =
+            mean_normal(surface, center, &axes).ok_or(FitError::NoSkin)?;
+        let spacing_mm = settings.patch_radius_mm / NODES as f64;
+        let grid = Grid { half: NODES + BEYOND, spacing_mm };
+        Ok(Self {
+            surface,
+            welded,
+            marks,
+            side,
+            breast,
+            axes,
+            settings,
+            grid,
+            center,
+            outwards,
+            orientation,
+        })
+    }
+
+    fn is_proposed(&self) -> bool {
+        self.breast.implant_centre.is_none()
+    }
+
+    /// The frame turned to another normal.
+    fn turned(&self, frame: &Frame, outwards: DVec3) -> Result<Frame, FitError> {
+        let outwards = frame.direction(outwards);
+        Frame::new(frame.origin, outwards, self.axes.head, self.side).ok_or(FitError::NoData)
+    }
+
+    /// The frame after the rounds. A proposed pocket that reaches around the flank moves to the midline until there is skin over it.
+    fn placed(&self) -> Result<Placed, FitError> {
+        let pocket_mm = self.settings.pocket_radius_mm;
+        let mut placed = self.placed_beside(0.0)?;
+        for inwards_mm in INWARDS_MM {
+            if !self.is_proposed() || carries_pocket(self.grid, &placed.fields.filled_mm, pocket_mm)
+            {
+                break;
+            }
+            placed = self.placed_beside(inwards_mm)?;
+        }
+        Ok(placed)
+    }
+
+    /// The same, a proposed centre by a way nearer to the midline than the middle of the breast's width.
+    fn placed_beside(&self, inwards_mm: f64) -> Result<Placed, FitError> {
+        let frame = Frame::new(self.center, self.outwards, self.axes.head, self.side);
+        let mut frame = frame.ok_or(FitError::NoSkin)?;
+        if self.is_proposed() {
+            let middle = self.heights(&frame)[self.grid.len() / 2];
+            frame = frame.raised(if middle.is_finite() { middle } else { 0.0 });
+        }
+        for _ in 0..ROUNDS {
+            let (_, quadric) = self.chest(&frame)?;
+            frame = self.turned(&frame, quadric.normal())?;
+            if self.is_proposed() {
+                // On the middle of the breast's width, as seen along the normal.
+                let BreastMarks { medial, lateral, .. } = self.breast;
+                let middle = frame.local(medial.midpoint(lateral)).x;
+                frame = frame.moved_across(middle - inwards_mm);
+            }
+        }
+        let (field, quadric) = self.chest(&frame)?;
+        let fields = Fields::new(&field, &quadric, self.settings);
+        Ok(Placed { frame, field, quadric, fields })
+    }
+
+    /// The frame on the wall with z as the wall's own normal, and its fields: the smoothed residual tilts the wall by up to some degrees.
+    fn on_wall(&self, placed: &Placed) -> Result<(Frame, Fields), FitError> {
+        let Placed { frame, fields, .. } = placed;
+        let slope = self.grid.slope(&fields.wall_mm, self.grid.len() / 2);
+        let frame = self.turned(frame, (-slope).extend(1.0))?;
+        let (field, quadric) = self.chest(&frame)?;
+        let mut fields = Fields::new(&field, &quadric, self.settings);
+        let raise = fields.move_to_wall(self.grid);
+        Ok((frame.raised(raise), fields))
+    }
+
     fn view<'a>(&'a self, frame: &'a Frame) -> View<'a> {
         let Self { surface, welded, orientation, .. } = *self;
         View { surface, welded, frame, orientation }
@@ -260,13 +357,8 @@ impl Subject<'_> {
     }
 
     /// The figures of the fields in a frame.
-    fn quality(
-        &self,
-        frame: &Frame,
-        field: &Field,
-        quadric: &Quadric,
-        fields: &Fields,
-    ) -> Result<Quality, FitError> {
+    fn quality(&self, placed: &Placed) -> Quality {
+        let Placed { frame, field, quadric, fields } = placed;
         let Settings { patch_radius_mm, pocket_radius_mm, .. } = *self.settings;
         let scan = Scan {
             heights_mm: &field.heights_mm,
@@ -282,11 +374,14 @@ impl Subject<'_> {
         quality.set_air(self.grid, &air, patch_radius_mm);
         quality.holes = fields.holes;
         quality.notch_nipple_mm = self.marks.notch_nipple(self.side);
-        let (BodyAxes { across, head, front }, z) = (self.marks.axes()?, frame.axes.z_axis);
+        let (BodyAxes { across, head, front }, z) = (self.axes, frame.axes.z_axis);
         quality.yaw_degrees = z.dot(across).atan2(z.dot(front)).to_degrees();
         quality.pitch_degrees = z.dot(head).asin().to_degrees();
         quality.is_turned = self.orientation < 0.0;
-        Ok(quality)
+        if self.is_proposed() {
+            quality.above_nipple_mm = (self.center - self.marks.nipple(self.side)).dot(head);
+        }
+        quality
     }
 }
 

@@ -339,9 +339,9 @@ impl Marks {
         }
     }
 
-    /// Centre of the implant: marked, or proposed on the middle of the breast's width as high as the nipple, on no surface. The lower
-    /// edge of its base then lies at most 5 mm above the fold, and at most 14 mm below it: by so much folds drop within six months (Eder, J Plast
-    /// Reconstr Aesthet Surg, 2011).
+    /// Centre of the implant: marked, or proposed on the middle of the breast's width as high as the nipple, on no surface (a fit moves it to
+    /// the middle as seen along the chest's normal). The lower edge of its base then lies at most 5 mm above the fold, and at most 14 mm
+    /// below it: by so much folds drop within six months (Eder, J Plast Reconstr Aesthet Surg, 2011).
     ///
     /// # Errors
     /// The breast has no marks.

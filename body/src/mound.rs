@@ -90,7 +90,7 @@ impl Field<'_> {
     /// The breast in the ellipse of marks before.
     fn mound(&self, marks: &Marks, side: Side) -> Option<Mound> {
         let BodyFit { grid, frame, skin_mm, bare_mm, .. } = self.fit;
-        let ellipse = ellipse(frame, marks, side)?;
+        let ellipse = Ellipse::of_breast(frame, (marks, side), 0.0)?;
         let (mut projection_mm, mut volume, mut upper) = (0.0_f64, 0.0, 0.0);
         for node in 0..grid.len() {
             let place = grid.place(node);
@@ -110,13 +110,6 @@ impl Field<'_> {
     }
 }
 
-/// The ellipse through the marks of a breast in a frame.
-fn ellipse(frame: &Frame, marks: &Marks, side: Side) -> Option<Ellipse> {
-    let breast = marks.breast(side).ok()?;
-    let points = [breast.fold, breast.upper, breast.medial, breast.lateral];
-    Ellipse::through(points.map(|point| frame.local(point).truncate()), 0.0)
-}
-
 /// Grid of the comparison of both sides.
 const BOTH: Grid = Grid { half: 52, spacing_mm: 4.0 };
 /// Least z of the unit normal of skin that is compared \[-\].
@@ -132,7 +125,8 @@ pub fn asymmetry_mm(surface: &Surface, marks: &Marks, frame: &Frame) -> Option<f
     let orientation = if turned { -1.0 } else { 1.0 };
     let view = View { surface, welded: &welded, frame, orientation };
     let heights = view.heights(BOTH, &view.connected());
-    let ellipses = [ellipse(frame, marks, Side::Left)?, ellipse(frame, marks, Side::Right)?];
+    let ellipse = |side: Side| Ellipse::of_breast(frame, (marks, side), 0.0);
+    let ellipses = [ellipse(Side::Left)?, ellipse(Side::Right)?];
     let (side, mut sum, mut count) = (BOTH.side(), 0.0, 0.0);
     for node in 0..BOTH.len() {
         let place = BOTH.place(node);

@@ -107,8 +107,6 @@ impl Quality {
         let mut thickness: Vec<f64> = within(NEAR_MM).map(|node| skin[node] - wall[node]).collect();
         thickness.sort_unstable_by(f64::total_cmp);
         let heights = within(NEAR_MM).map(|node| wall[node] - skin[grid.len() / 2]);
-        let near = within(pocket_radius_mm + BESIDE_POCKET_MM);
-        let open_near = near.clone().filter(|node| scan.filled_mm[*node].is_nan()).count() as f64;
         let footprint = (0..grid.len()).filter(|node| scan.is_own[*node]);
         let footprint = footprint.map(|node| skin[node] - bare[node]).sum::<f64>();
         let [radius_across_mm, radius_along_mm] = quadric.radii_mm();
@@ -126,7 +124,7 @@ impl Quality {
                 thickness[thickness.len() - 1],
             ],
             wall_mm: [heights.clone().fold(f64::MAX, f64::min), heights.fold(f64::MIN, f64::max)],
-            open_pocket_percent: 100.0 * open_near / near.count() as f64,
+            open_pocket_percent: open_percent(grid, scan.filled_mm, pocket_radius_mm),
             ..Self::default()
         }
     }
@@ -142,6 +140,19 @@ impl Quality {
         let depths: f64 = hanging.map(|node| air[node]).sum();
         self.air_ml = depths * grid.spacing_mm.powi(2) / 1e3;
     }
+}
+
+/// Share of the nodes within 10 mm of a pocket that are without skin after holes are filled \[%\].
+fn open_percent(grid: Grid, filled_mm: &[f64], pocket_radius_mm: f64) -> f64 {
+    let reach = pocket_radius_mm + BESIDE_POCKET_MM;
+    let near = (0..grid.len()).filter(|node| grid.place(*node).length() <= reach);
+    let open = near.clone().filter(|node| filled_mm[*node].is_nan()).count();
+    100.0 * open as f64 / near.count() as f64
+}
+
+/// Is there skin over a pocket?
+pub(crate) fn carries_pocket(grid: Grid, filled_mm: &[f64], pocket_radius_mm: f64) -> bool {
+    open_percent(grid, filled_mm, pocket_radius_mm) <= limits::OPEN_POCKET_PERCENT
 }
 
 /// Limits of the figures, beyond which a sentence says what is wrong.

@@ -251,7 +251,7 @@ fn the_torsos_tissue_keeps_its_volume() {
 fn a_torso_is_read_and_written_by_its_numbers() {
     let scene = opening(33);
     let text = scene.to_json();
-    assert!(text.len() < 4000 && text.contains("\"breast_volume_ml\": 130.0"), "{text}");
+    assert!(text.len() < 4000 && text.contains("\"breast_volume_ml\": 180.0"), "{text}");
     assert_eq!(Scene::from_json(&text).unwrap(), scene);
     let read = |chest: &str| {
         Scene::from_json(&format!(r#"{{ "implant": {{ "base_radius_mm": 60 }}, {chest} }}"#))

@@ -2,7 +2,8 @@
 //!
 //! `axes`: the plane of symmetry and the poses that a trunk may have in it; of them the one with the best pair of breasts (`view`). The
 //! borders of a breast are where the skin leaves the bare chest (`border`). Errors on the built-in torso, shaped by tapes, turned and
-//! with noise, are within 10 mm at the nipples, 30 mm at notch and navel and 40 mm at the borders (`body/tests/propose.rs`).
+//! with noise, are within 10 mm at the nipples, 30 mm at notch and navel and 40 mm at the borders (`body/tests/propose.rs`). Of breasts
+//! under 200 ml half are found, the others have no proposal.
 
 mod axes;
 mod border;
@@ -16,8 +17,8 @@ use border::Breast;
 use glam::{DMat3, DVec3};
 use view::{Front, Pair};
 
-/// Least score of a pair of breasts \[mm\].
-const LEAST_MM: f64 = 8.0;
+/// Least score of a pair of breasts \[mm\]: of 48 shaped torsos those found have 21 or more, wrong places on trunks with breasts under 150 ml up to 17.
+const LEAST_MM: f64 = 18.0;
 /// Gain of the score for a head along the file's y \[mm\]: decides only where the shape does not.
 const FILE_UP_MM: f64 = 2.0;
 /// Turn of the head's axis after which the body is viewed again \[cosine\].

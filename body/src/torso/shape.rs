@@ -1,14 +1,13 @@
 //! The mound of the built-in torso's breast, moved and stretched to a tape's numbers.
 
-use super::{Tape, Torso, chest_width};
+use super::{Tape, Torso, both, chest_width};
 use crate::chest::solved;
-use crate::fit::{self, BodyFit, FitError, Settings};
+use crate::fit::{Bare, FitError};
 use crate::grid::smooth_step;
+use crate::half::mirrored;
 use crate::marks::{BreastMarks, Marks, Side};
 use glam::{DVec2, DVec3};
 
-/// Radius of the fit's patch \[mm\].
-const PATCH_MM: f64 = 130.0;
 /// The place on the skin of the built-in torso over the origin of the mound's frame, medial of the nipple and above it \[mm\].
 pub(super) const CENTRE: DVec3 = DVec3::new(79.03, 374.39, 167.36);
 /// Depth below the bare chest in which the skin ceases to follow the mound across \[mm\].
@@ -44,7 +43,7 @@ pub(super) struct Places {
 
 /// The mound of the left breast over the bare chest.
 pub(super) struct Mound {
-    fit: BodyFit,
+    fit: Bare,
     pub(super) at: Places,
     /// Middle and half widths of the breast \[mm\].
     center: DVec2,
@@ -67,11 +66,10 @@ impl Mound {
     /// The mound of a torso, its frame at a place on the skin.
     pub(super) fn new(torso: &Torso, centre: DVec3) -> Result<Self, FitError> {
         let Torso { surface, marks } = torso;
-        let settings = Settings { patch_radius_mm: PATCH_MM, ..Settings::default() };
         let breast = marks.breast(Side::Left)?;
         let marked = BreastMarks { implant_centre: Some(centre), ..*breast };
         let placed = Marks { breasts: [Some(marked), None], ..*marks };
-        let fit = fit::fit(surface, &placed, Side::Left, &settings)?;
+        let fit = Bare::fitted(surface, &placed)?;
         let place = |point: DVec3| fit.frame.local(point).truncate();
         let at = Places {
             nipple: place(marks.nipple(Side::Left)),
@@ -143,7 +141,7 @@ impl Mound {
         nodes.filter(|&node| is_within(grid.place(node))).map(cell).sum::<f64>() / 1000.0
     }
 
-    /// What a tape measures on a shape, with the chest's width of the torso.
+    /// What a tape measures on a shape, with the chest's width of the torso, and the volume over the given bare chest.
     pub(super) fn tape(&self, shape: &Shape, torso: &Torso) -> Tape {
         let at = |place: DVec2| self.point(shape, place);
         let [nipple, medial, lateral] = [self.at.nipple, self.at.medial, self.at.lateral].map(at);
@@ -182,8 +180,28 @@ impl Mound {
         with(lowered)
     }
 
+    /// The marks on a shape, both sides alike.
+    pub(super) fn marks(&self, shape: &Shape, given: &Marks) -> Marks {
+        let at = |place: DVec2| self.point(shape, place);
+        let Places { nipple, fold, upper, medial, lateral } = self.at;
+        let [fold, upper, medial, lateral] = [fold, upper, medial, lateral].map(at);
+        let left = BreastMarks { fold, upper, medial, lateral, implant_centre: None };
+        Marks { nipples: [at(nipple), mirrored(at(nipple))], breasts: both(left), ..*given }
+    }
+
+    /// Brings a shape to places of both sides.
+    pub(super) fn reshape(&self, shape: &Shape, places: &mut [DVec3]) {
+        for at in places {
+            *at = match at.x {
+                x if x < 0.0 => mirrored(self.vertex(shape, mirrored(*at))),
+                0.0 => self.vertex(shape, *at).with_x(0.0),
+                _ => self.vertex(shape, *at),
+            };
+        }
+    }
+
     /// A vertex of the surface under another shape of the mound.
-    pub(super) fn vertex(&self, shape: &Shape, at: DVec3) -> DVec3 {
+    fn vertex(&self, shape: &Shape, at: DVec3) -> DVec3 {
         let local = self.fit.frame.local(at);
         let place = local.truncate();
         let height = local.z - self.bare(place);

@@ -49,7 +49,7 @@ impl Default for Torso {
             nipple_fold_mm: None,
             // The mean of 54 young women is 203 mm, the stored trunk has 225 mm.
             nipple_nipple_mm: 204.7,
-            breast_volume_ml: 130.0,
+            breast_volume_ml: 180.0,
         }
     }
 }

@@ -32,11 +32,11 @@ pub const FLAT: &str = "flat chest";
 /// The opening plan's chest.
 pub const CURVED: &str = "usual chest";
 /// The built-in torso, and one with a small breast.
-pub const BREAST: &str = "breast of 324 ml";
+pub const BREAST: &str = "breast of 374 ml";
 /// The small breast.
-pub const SMALL: &str = "breast of 150 ml";
+pub const SMALL: &str = "breast of 200 ml";
 /// Volume of the small breast \[ml\]: women who are augmented have less than the mean of 340.
-const SMALL_ML: f64 = 150.0;
+const SMALL_ML: f64 = 200.0;
 /// Quantity of the rows of projection.
 pub const GAIN: &str = "gain of projection (Tepper)";
 /// Name of an implant that does not yield.
@@ -199,7 +199,7 @@ fn projection(all: &[Augmented]) -> Comparison {
                 .to_owned(),
             format!(
                 "The plan: implant of 12 cm, {PROJECTION_MM} mm, 302 ml, skin of class normal under {TENSION_N_PER_M} N/m; 10 mm of tissue over a \
-                 flat and over a usual chest, where the nipple is the apex; the built-in torso with a breast of 324 and with one of 150 ml, centred on its marks."
+                 flat and over a usual chest, where the nipple is the apex; the built-in torso with a breast of 374 and with one of 200 ml, centred on its marks."
             ),
             "The gels were chosen from tests of implants between plates, the tension from measurements of skin, growth from studies that \
              include Ji's: none from the gains."

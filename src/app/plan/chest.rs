@@ -258,7 +258,7 @@ mod tests {
             chest.set(&mut scene);
             assert_eq!((choice(&scene), scene.validate()), (Some(word), Ok(())));
         }
-        assert_eq!(chest_in_words(&scene), "torso, breast of 130 ml");
+        assert_eq!(chest_in_words(&scene), "torso, breast of 180 ml");
         scene.set_chest(Some(ChestShape::ROUND));
         assert_eq!(chest_in_words(&scene), "radius 12 cm across, 60 cm along");
         set_radius(&mut scene, 0, 14.5);
