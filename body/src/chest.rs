@@ -162,14 +162,10 @@ impl Ellipse {
     }
 
     /// The ellipse through the marks of a breast in the plane of a frame; `None` for marks of no breast, or on one line.
-    pub(crate) fn of_breast(
-        frame: &Frame,
-        (marks, side): (&Marks, Side),
-        margin_mm: f64,
-    ) -> Option<Self> {
+    pub(crate) fn of_breast(frame: &Frame, marks: &Marks, side: Side) -> Option<Self> {
         let BreastMarks { fold, upper, medial, lateral, .. } = *marks.breast(side).ok()?;
         let place = |point: DVec3| frame.local(point).truncate();
-        Self::through([fold, upper, medial, lateral].map(place), margin_mm)
+        Self::through([fold, upper, medial, lateral].map(place), 0.0)
     }
 
     /// Does the ellipse contain a place \[mm\]?

@@ -169,7 +169,7 @@ impl Bare {
 
     /// Volume between skin and bare chest in the ellipse of the left breast's marks \[ml\].
     pub(crate) fn volume_ml(&self, marks: &Marks) -> f64 {
-        let Some(ellipse) = Ellipse::of_breast(&self.frame, (marks, Side::Left), 0.0) else {
+        let Some(ellipse) = Ellipse::of_breast(&self.frame, marks, Side::Left) else {
             return 0.0;
         };
         let nodes = (0..self.grid.len()).filter(|&node| ellipse.contains(self.grid.place(node)));

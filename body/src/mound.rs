@@ -90,7 +90,7 @@ impl Field<'_> {
     /// The breast in the ellipse of marks before.
     fn mound(&self, marks: &Marks, side: Side) -> Option<Mound> {
         let BodyFit { grid, frame, skin_mm, bare_mm, .. } = self.fit;
-        let ellipse = Ellipse::of_breast(frame, (marks, side), 0.0)?;
+        let ellipse = Ellipse::of_breast(frame, marks, side)?;
         let (mut projection_mm, mut volume, mut upper) = (0.0_f64, 0.0, 0.0);
         for node in 0..grid.len() {
             let place = grid.place(node);
@@ -125,7 +125,7 @@ pub fn asymmetry_mm(surface: &Surface, marks: &Marks, frame: &Frame) -> Option<f
     let orientation = if turned { -1.0 } else { 1.0 };
     let view = View { surface, welded: &welded, frame, orientation };
     let heights = view.heights(BOTH, &view.connected());
-    let ellipse = |side: Side| Ellipse::of_breast(frame, (marks, side), 0.0);
+    let ellipse = |side: Side| Ellipse::of_breast(frame, marks, side);
     let ellipses = [ellipse(Side::Left)?, ellipse(Side::Right)?];
     let (side, mut sum, mut count) = (BOTH.side(), 0.0, 0.0);
     for node in 0..BOTH.len() {

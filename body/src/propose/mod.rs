@@ -3,7 +3,7 @@
 //! `axes`: the plane of symmetry and the poses that a trunk may have in it; of them the one with the best pair of breasts (`view`). The
 //! borders of a breast are where the skin leaves the bare chest (`border`). Errors on the built-in torso, shaped by tapes, turned and
 //! with noise, are within 10 mm at the nipples, 30 mm at notch and navel and 40 mm at the borders (`body/tests/propose.rs`). Of breasts
-//! under 200 ml half are found, the others have no proposal.
+//! under 200 ml two of three are found, the others have no proposal.
 
 mod axes;
 mod border;
