@@ -6,6 +6,7 @@
 mod command;
 
 use command::{folder, lines, run};
+use glam::DVec3;
 use implant_preview::body::read::{Unit, read};
 use implant_preview::body::torso::{Torso, builtin};
 use implant_preview::body::write::write;
@@ -126,6 +127,42 @@ fn the_unit_of_a_file_does_not_matter() {
         for (a, b) in heights(scene).iter().zip(heights(&scenes[0])) {
             assert!((a - b).abs() < 0.02, "{a} {b}");
         }
+    }
+}
+
+/// Another person, and the same one elsewhere; a thickness that was edited is no other body.
+#[test]
+fn a_scene_has_no_place_on_another_body() {
+    let folder = folder("scan-another-body");
+    body(&folder, Unit::Millimetres);
+    let (mut scene, _) = scanned(&folder, &[]);
+    scene["solver"] = serde_json::json!({ "nodes_per_side": 17, "tolerance": 1e-2 });
+    scene["insertion"] = 0.3.into();
+    let fat = &mut scene["layers"][1]["thickness_mm"];
+    *fat = (fat.as_f64().unwrap() + 8.0).into();
+    fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
+    let on = |change: fn(DVec3) -> DVec3| {
+        let Torso { mut surface, .. } = builtin();
+        surface.positions.iter_mut().for_each(|at| *at = change(*at));
+        fs::write(folder.join("on.ply"), write(&surface, Unit::Millimetres, Format::Ply)).unwrap();
+        let output = run(
+            &folder,
+            &["simulate", "scene.json", "--body", "on.ply", "--after", "after.ply"],
+            "",
+        );
+        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let own = on(|at| at);
+    assert!(own.0, "{}", own.1);
+    for other in [
+        |at: DVec3| at * DVec3::new(1.3, 1.1, 1.1),
+        |at: DVec3| at + DVec3::new(0.0, 0.0, 10.0),
+        |at: DVec3| at + DVec3::new(0.0, 20.0, 0.0),
+        |at: DVec3| at * 1e-3,
+    ] {
+        let (is_taken, words) = on(other);
+        assert!(!is_taken && words.lines().count() == 1, "{words}");
+        assert!(words.starts_with("error: on.ply: --body: of the scene's marks half"), "{words}");
     }
 }
 

@@ -20,10 +20,11 @@ const MOST_BEYOND: usize = 4;
 const LAST_STEP: f64 = 1e-10;
 /// Distance from the patch's edge over which the displacement fades \[mm\]: the clamped edge would be a kink of 2° to 13° in the skin.
 const FADE_MM: f64 = 15.0;
-/// Depth below the wall up to which a vertex belongs to the tissue \[thicknesses\].
-const BELOW_WALL: f64 = 0.02;
+/// Depth below the wall over which the displacement fades \[mm\]: where the skin falls more steeply than a wall can, as over the flank of a narrow chest, it
+/// passes below the wall.
+const BELOW_MM: f64 = 15.0;
 
-/// The surface after a solve. Vertices that the tissue does not move keep their bits: those outside of the patch, below the wall, and all at rest.
+/// The surface after a solve. Vertices that the tissue does not move keep their bits: those outside of the patch, 15 mm below the wall, and all at rest.
 #[must_use]
 pub fn deform(surface: &Surface, frame: &Frame, solution: &Solution) -> Surface {
     deform_sides(surface, &[(*frame, solution)])
@@ -90,6 +91,8 @@ pub struct Weights {
     part: f64,
     /// Distance from the patch's edge, along the wall \[mm\]; infinite where the displacement does not fade.
     from_edge_mm: f64,
+    /// Depth below the wall \[mm\].
+    below_mm: f64,
     /// Share of the column's height \[-\].
     share: f64,
 }
@@ -153,6 +156,7 @@ impl Moves {
         let part = weights.part;
         (moved(below) * (1.0 - part) + moved(above) * part)
             * smooth_step(weights.from_edge_mm / FADE_MM)
+            * smooth_step(1.0 - weights.below_mm / BELOW_MM)
     }
 }
 
@@ -216,7 +220,7 @@ impl Columns {
         let far = feet.iter().zip(&ups).map(|(foot, up)| {
             foot.truncate().length_squared().max((*foot + *up).truncate().length_squared())
         });
-        let reach = (low - sheet.spacing_mm(), far.fold(0.0, f64::max));
+        let reach = (low - sheet.spacing_mm().max(BELOW_MM), far.fold(0.0, f64::max));
         let (spacing_mm, radius_mm) = (sheet.spacing_mm(), sheet.radius_mm());
         Self { side, spacing_mm, radius_mm, feet, ups, shares, skin, tilt, reach }
     }
@@ -229,7 +233,7 @@ impl Columns {
         if point.z < low || point.truncate().length_squared() > far {
             return None;
         }
-        let (place, share) = self.place(point)?;
+        let (place, share, below_mm) = self.place(point)?;
         let half = 0.5 * (self.side - 1) as f64;
         let (node, [a, b]) = self.cell(place + DVec2::splat(half))?;
         let share = share.clamp(0.0, 1.0);
@@ -240,7 +244,7 @@ impl Columns {
         let part = if rise > 0.0 { (share - self.shares[below]) / rise } else { 0.0 };
         let from_edge_mm = (half - place.length()) * self.spacing_mm;
         let corners = self.corners(node, [a, b]);
-        Some(Weights { corners, layers: [below, above], part, from_edge_mm, share })
+        Some(Weights { corners, layers: [below, above], part, from_edge_mm, below_mm, share })
     }
 
     /// How the skin over a place of the plane moves \[mm\]; `None` beyond the patch.
@@ -266,7 +270,7 @@ impl Columns {
         }
         let top = self.shares.len() - 1;
         let (corners, layers, from_edge_mm) = (cell(along), [top; 2], f64::INFINITY);
-        Some(Weights { corners, layers, part: 1.0, from_edge_mm, share: 1.0 })
+        Some(Weights { corners, layers, part: 1.0, from_edge_mm, below_mm: 0.0, share: 1.0 })
     }
 
     /// The nodes of a cell and their weights at a place in it.
@@ -292,8 +296,8 @@ impl Columns {
     }
 
     /// Place from the patch's centre \[grid spacings\] and share of the column's height that map to a point (Newton's method on the map that is bilinear in each
-    /// cell and linear along the columns).
-    fn place(&self, point: DVec3) -> Option<(DVec2, f64)> {
+    /// cell and linear along the columns), and its depth below the wall \[mm\].
+    fn place(&self, point: DVec3) -> Option<(DVec2, f64, f64)> {
         let half = 0.5 * (self.side - 1) as f64;
         // From the patch's centre \[grid spacings\]; at first under the point.
         let mut place = (point.truncate() / self.spacing_mm).clamp_length_max(half - 1.0);
@@ -319,18 +323,19 @@ impl Columns {
             let length = if count < FULL_STEPS { 1.0 } else { 0.6 };
             place += step.truncate() * length;
             share += step.z * length;
+            let below_mm = (-share).max(0.0) * up.length();
+            let is_beyond = place.length() >= half || below_mm >= BELOW_MM;
             if step.abs().max_element() < LAST_STEP {
-                let is_within = share >= -BELOW_WALL && place.length() < half;
-                return is_within.then_some((place, share));
+                return (!is_beyond).then_some((place, share, below_mm));
             }
-            // A point beyond the patch or below the wall stays there.
-            if place.length() > half || share < -BELOW_WALL {
+            // A point beyond the patch or far below the wall stays there.
+            if is_beyond {
                 beyond += 1;
                 if beyond > MOST_BEYOND {
                     return None;
                 }
             }
-            (place, share) = (place.clamp_length_max(half), share.clamp(-0.5, 3.0));
+            (place, share) = (place.clamp_length_max(half), share.clamp(-3.0, 3.0));
         }
         None
     }

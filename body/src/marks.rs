@@ -265,7 +265,7 @@ impl Marks {
     ///
     /// # Errors
     /// The breast has no marks.
-    pub(crate) fn named(&self, side: Side) -> Result<Vec<(String, DVec3)>, MarksError> {
+    pub fn named(&self, side: Side) -> Result<Vec<(String, DVec3)>, MarksError> {
         let BreastMarks { fold, upper, medial, lateral, implant_centre } = *self.breast(side)?;
         let nipple = self.nipple(side);
         let own = [

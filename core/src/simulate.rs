@@ -118,6 +118,7 @@ fn measure_selected(scene: &Scene, fields: &Fields, selection: &Selection) -> Ou
     outcome.patient_values = scene.patient_values();
     outcome.warnings.extend(scene.patient_warnings());
     outcome.warnings.extend(scene.curve_warnings());
+    outcome.warnings.extend(scene.torso_warnings());
     let Problem { rest, obstacle, .. } = fields.solution().problem();
     outcome.warnings.extend(scene.body.skin_state.growth_warning(rest.natural()));
     let wall = &obstacle.wall.0;

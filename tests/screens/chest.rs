@@ -73,7 +73,7 @@ fn a_torso_is_the_chest_shaped_by_its_numbers() {
     type_into(&mut harness, "Breast volume (ml)", "500");
     type_into(&mut harness, "Notch to nipple (cm)", "17");
     settle(&mut harness);
-    assert!(text_with(&harness, "The nearest torso has: ").is_some());
+    assert!(text_with(&harness, "Nearest torso: ").is_some());
     choose(&mut harness, "usual chest");
     assert_eq!(torso(&harness), None);
     let chest = harness.state().session().scene().chest;

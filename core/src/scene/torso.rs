@@ -3,6 +3,7 @@
 //! The cover of the fit is the thickness of the layers, below the muscle that of the muscle, too, the pocket's centre that of an implant of 12 cm. Shaped torsos and fits are kept by
 //! their numbers: a torso with its fit takes twice as long as the solve of the opening plan at 65 nodes per side, a fit under another cover half of that.
 
+use super::field::Scale;
 use super::thickness::FACTORS;
 use super::{Field, Scene, SceneError, ThicknessGrid, field, out_of_range, problem};
 use crate::body::fit::{BodyFit, FitError, Settings, fit_known};
@@ -71,6 +72,26 @@ impl Torso {
         let Self { chest_width_mm, breast_width_mm, notch_nipple_mm, .. } = *self;
         let Self { nipple_fold_mm, nipple_nipple_mm, breast_volume_ml, .. } = *self;
         Tape {
+            chest_width_mm,
+            breast_width_mm,
+            notch_nipple_mm,
+            nipple_fold_mm,
+            nipple_nipple_mm,
+            breast_volume_ml,
+        }
+    }
+
+    /// The torso with the numbers of a tape.
+    fn of(tape: &Tape) -> Self {
+        let Tape {
+            chest_width_mm,
+            breast_width_mm,
+            notch_nipple_mm,
+            nipple_fold_mm,
+            nipple_nipple_mm,
+            breast_volume_ml,
+        } = *tape;
+        Self {
             chest_width_mm,
             breast_width_mm,
             notch_nipple_mm,
@@ -178,6 +199,8 @@ pub(super) fn written<S: Serializer>(torso: &Option<Torso>, to: S) -> Result<S::
 
 /// Greatest radius of the simulated tissue \[mm\]: beyond, less of it lies on the torso than a scan must cover.
 const MOST_PATCH_MM: f64 = 180.0;
+/// Greatest difference of a torso from what is asked for that is not mentioned \[-\].
+const NEAREST: f64 = 0.02;
 
 impl Scene {
     /// Sets the torso as the chest, in place of radii, a grid, or a scan.
@@ -197,6 +220,26 @@ impl Scene {
         let muscle = even - self.layers[0].thickness_mm;
         let least = (Settings::default().least_mm + muscle).max(even + FACTORS.0 * uneven);
         Some(self.torso.as_ref()?.fitted_under([self.tissue_mm(), least]))
+    }
+
+    /// Sentences on the numbers of the shaped torso that are others than those asked for, by more than 2 %: no torso of the asked ones is within the ranges.
+    #[must_use]
+    pub fn torso_warnings(&self) -> Vec<String> {
+        let (Some(asked), Some(Ok(fitted))) = (self.torso, self.fitted_torso()) else {
+            return Vec::new();
+        };
+        let found = Torso::of(&fitted.shaped.tape);
+        let warning = |number: Field| {
+            let value =
+                |torso: Torso| number.shown(&Self { torso: Some(torso), ..Self::default() });
+            let (asked, found) = (value(asked)?, value(found)?);
+            let Scale { unit, decimals, .. } = number.scale;
+            ((found - asked).abs() > NEAREST * asked).then(|| {
+                let name = number.label;
+                format!("Nearest torso: {name} {found:.decimals$} {unit}, not {asked:.decimals$}.")
+            })
+        };
+        field::TORSO.into_iter().filter_map(warning).collect()
     }
 
     /// Checks that the scene may have its torso.

@@ -406,6 +406,7 @@ impl App {
         for command in ctx.input_mut(keys::take_history_keys) {
             match command {
                 Command::Undo => self.undo(),
+                Command::Redo => self.redo(),
                 command => self.execute(command),
             }
         }
@@ -413,7 +414,7 @@ impl App {
         self.escape(ctx);
         // Single keys act on the picture while it has the focus. Elsewhere they are text.
         let focused = ctx.memory(egui::Memory::focused);
-        if focused.is_none() || focused != self.shared.viewport.id() {
+        if focused.is_none() || focused != self.shared.viewport.id() || self.scan.is_some() {
             return;
         }
         for step in keys::insertion_steps(ctx) {

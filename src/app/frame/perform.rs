@@ -101,7 +101,7 @@ impl App {
             Task::UsualImplant | Task::StartOver => self.open_example(Scene::first_plan()),
             Task::HalfSphere => self.open_example(Scene::default()),
             Task::Undo => self.undo(),
-            Task::Redo => self.execute(Command::Redo),
+            Task::Redo => self.redo(),
             Task::Pin => self.execute(Command::Pin),
             Task::Look(view) => viewport.look(session, options, view),
             Task::Show(subject) => viewport.change(session, options, |o| o.set_subject(subject)),

@@ -64,6 +64,14 @@ impl App {
         }
     }
 
+    /// Takes the step again that was taken back last: of a scan's marks while they are set, otherwise of the plan.
+    pub(crate) fn redo(&mut self) {
+        match &mut self.scan {
+            Some(scan) => scan.redo(),
+            None => self.execute(Command::Redo),
+        }
+    }
+
     /// Ends the step: the plan has the body as one step of its history, or is as it was.
     pub(crate) fn end_scan(&mut self, choice: Choice) {
         let Some(mut scan) = self.scan.take() else { return };

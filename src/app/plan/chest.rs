@@ -2,12 +2,11 @@
 
 use super::device::Device;
 use super::{Hand, chip, chips, cm, mm, named, plain, row};
-use crate::app::texts::{fixed, tr};
+use crate::app::texts::{shown, tr};
 use crate::app::widgets::quantity::format_at_most;
 use crate::app::widgets::{self, Control, remark, set_accessible_name};
-use crate::body::torso::Tape;
 use crate::scene::field::{CHEST, TORSO};
-use crate::scene::{ChestShape, Field, Scene, Torso};
+use crate::scene::{ChestShape, Field, Scene};
 use eframe::egui::{self, Ui};
 
 /// A choice: its word, its chest and what it means.
@@ -192,35 +191,8 @@ pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
             plain::set(scene, number, value);
         }
     }
-    let Some(Ok(fitted)) = scene.fitted_torso() else { return };
-    let (asked, found) = (scene.torso.unwrap_or_default(), nearest(&fitted.shaped.tape));
-    let of = |number: Field, torso: Torso| {
-        number.shown(&Scene { torso: Some(torso), ..Scene::default() })
-    };
-    let other = |number: Field| {
-        let (asked, found) = (of(number, asked)?, of(number, found)?);
-        let value = fixed(found, number.scale.decimals);
-        let words = || format!("{} {value} {}", tr(number.label), number.scale.unit);
-        ((found - asked).abs() > NEAREST * asked).then(words)
-    };
-    let words: Vec<String> = TORSO.into_iter().filter_map(other).collect();
-    if !words.is_empty() {
-        remark(ui, tr!("The nearest torso has: {words}.", words = words.join(", ")));
-    }
-}
-
-/// Greatest difference of a torso from what is asked for that is not mentioned \[-\].
-const NEAREST: f64 = 0.02;
-
-/// The numbers that a torso has.
-fn nearest(tape: &Tape) -> Torso {
-    Torso {
-        chest_width_mm: tape.chest_width_mm,
-        breast_width_mm: tape.breast_width_mm,
-        notch_nipple_mm: tape.notch_nipple_mm,
-        nipple_fold_mm: tape.nipple_fold_mm,
-        nipple_nipple_mm: tape.nipple_nipple_mm,
-        breast_volume_ml: tape.breast_volume_ml,
+    for warning in scene.torso_warnings() {
+        remark(ui, shown(&warning));
     }
 }
 

@@ -136,6 +136,12 @@ impl Scan {
         self.fitted = None;
     }
 
+    /// Takes the step of the marks again that was taken back last.
+    pub(crate) fn redo(&mut self) {
+        self.points.redo();
+        self.fitted = None;
+    }
+
     /// Takes the marks of a file.
     ///
     /// # Errors

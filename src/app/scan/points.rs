@@ -6,8 +6,9 @@ use glam::DVec3;
 
 /// Number of marks that a side needs; those of the other breast follow.
 const COUNT: usize = 8;
-/// Number of marks of both sides.
-const ALL: usize = 12;
+/// Number of marks of both sides, and with the implants' centres, which only a file sets.
+const SET_BY_HAND: usize = 12;
+const ALL: usize = 14;
 /// Marks of a breast.
 const OF_BREAST: usize = 4;
 /// Steps that are kept.
@@ -35,8 +36,13 @@ const OF_OTHER: [(&str, &str); 2 * OF_BREAST] = [
     ("Right breast: end towards the midline", "right inner"),
     ("Right breast: end towards the flank", "right outer"),
 ];
+/// The same of the centres of the implants.
+const CENTRES: [(&str, &str); 2] = [
+    ("Left breast: centre of the implant", "left centre"),
+    ("Right breast: centre of the implant", "right centre"),
+];
 
-/// Places of the marks \[mm\], in the axes of the surface: notch, navel, nipples, then those of the left and of the right breast.
+/// Places of the marks \[mm\], in the axes of the surface: notch, navel, nipples, then those of the left and of the right breast, and the implants' centres.
 type Places = [Option<DVec3>; ALL];
 
 /// The marks of a scan.
@@ -45,8 +51,9 @@ pub(super) struct Points {
     at: Places,
     /// Was a mark proposed, and has nobody looked at it?
     is_proposed: [bool; ALL],
-    /// Both before each step.
+    /// Both before each step, and after each step that was taken back.
     before: Vec<(Places, [bool; ALL])>,
+    after: Vec<(Places, [bool; ALL])>,
 }
 
 /// The place of a mark among those of both sides.
@@ -58,15 +65,18 @@ fn index(mark: usize, side: Side) -> usize {
 pub(super) fn of_other_side(mark: usize) -> usize {
     match mark {
         4..COUNT => mark + OF_BREAST,
-        COUNT.. => mark - OF_BREAST,
+        COUNT..SET_BY_HAND => mark - OF_BREAST,
         _ => mark,
     }
 }
 
 /// The name of a mark, and the word beside it.
 pub(super) fn name(mark: usize, side: Side) -> (&'static str, &'static str) {
-    let of_other = || OF_OTHER[index(mark, side) - (COUNT - OF_BREAST)];
-    let (name, word) = NAMES.get(mark).copied().unwrap_or_else(of_other);
+    let (name, word) = match mark {
+        0..COUNT => NAMES[mark],
+        COUNT..SET_BY_HAND => OF_OTHER[index(mark, side) - (COUNT - OF_BREAST)],
+        _ => CENTRES[mark - SET_BY_HAND],
+    };
     (tr(name), tr(word))
 }
 
@@ -130,16 +140,20 @@ impl Points {
             *own = at.or(*own);
             *is_proposed &= at.is_none();
         }
+        for (centre, breast) in self.at[SET_BY_HAND..].iter_mut().zip(breasts) {
+            *centre = breast.map_or(*centre, |breast| breast.implant_centre);
+        }
     }
 
     /// All places in another unit of length; the history too.
     pub(super) fn scale(&mut self, factor: f64) {
-        let before = self.before.iter_mut().map(|(at, _)| at);
-        let places = std::iter::once(&mut self.at).chain(before);
+        let others = self.before.iter_mut().chain(&mut self.after).map(|(at, _)| at);
+        let places = std::iter::once(&mut self.at).chain(others);
         places.flatten().flatten().for_each(|at| *at *= factor);
     }
 
     fn keep(&mut self) {
+        self.after.clear();
         if self.before.len() == HISTORY {
             self.before.remove(0);
         }
@@ -153,7 +167,16 @@ impl Points {
     /// Takes the last step back.
     pub(super) fn undo(&mut self) {
         if let Some(before) = self.before.pop() {
+            self.after.push((self.at, self.is_proposed));
             (self.at, self.is_proposed) = before;
+        }
+    }
+
+    /// Takes the step again that was taken back last.
+    pub(super) fn redo(&mut self) {
+        if let Some(after) = self.after.pop() {
+            self.before.push((self.at, self.is_proposed));
+            (self.at, self.is_proposed) = after;
         }
     }
 
@@ -168,7 +191,8 @@ impl Points {
             let mut found = (COUNT - OF_BREAST..COUNT).map(|mark| self.get(mark, of));
             let mut next = || found.next().flatten();
             let (fold, upper, medial, lateral) = (next()?, next()?, next()?, next()?);
-            Some(BreastMarks { fold, upper, medial, lateral, implant_centre: None })
+            let implant_centre = self.at[SET_BY_HAND + usize::from(of == Side::Right)];
+            Some(BreastMarks { fold, upper, medial, lateral, implant_centre })
         };
         breast(side)?;
         let [notch, navel, left, right] = [0, 1, 2, 3].map(|mark| self.at[mark]);
@@ -207,10 +231,37 @@ mod tests {
         assert_eq!(points.marks(Side::Right).unwrap(), set.scaled(0.1));
         points.undo();
         assert_eq!(points.missing(Side::Right), Some(7));
+        points.redo();
+        assert_eq!(points.marks(Side::Right).unwrap(), set.scaled(0.1));
         while points.can_undo() {
             points.undo();
         }
         assert_eq!(points.missing(Side::Right), Some(0));
+        points.set(0, Side::Right, DVec3::ZERO, true);
+        points.redo();
+        assert_eq!(points.missing(Side::Right), Some(1));
+    }
+
+    /// The centre that a file has is one of the marks: listed, moved, taken back; a file without one takes it away.
+    #[test]
+    fn the_centre_of_an_implant_is_kept() {
+        let torso::Torso { marks, .. } = torso::builtin();
+        let mut given = marks;
+        let centre = DVec3::new(80.0, 340.0, 170.0);
+        given.breasts[0].as_mut().unwrap().implant_centre = Some(centre);
+        let mut points = Points::of(&marks);
+        assert!(points.listed(Side::Right).all(|mark| mark < SET_BY_HAND));
+        points.set_all(&given);
+        for side in [Side::Left, Side::Right] {
+            assert_eq!(points.marks(side), Some(given));
+            assert_eq!(points.listed(side).last(), Some(SET_BY_HAND));
+            assert_eq!(points.get(of_other_side(SET_BY_HAND), side), Some(centre));
+            assert_eq!(name(SET_BY_HAND, side).1, "left centre");
+        }
+        points.set_all(&marks);
+        assert_eq!(points.marks(Side::Left), Some(marks));
+        points.undo();
+        assert_eq!(points.marks(Side::Left), Some(given));
     }
 
     /// A mark that was chosen, moved or read is the surgeon's; those of the other breast are listed while they are set.
@@ -219,7 +270,7 @@ mod tests {
         let torso::Torso { marks, .. } = torso::builtin();
         let mut points = Points::of(&marks);
         assert_eq!(points.proposed(), marks::NAMES);
-        assert_eq!(points.listed(Side::Left).count(), ALL);
+        assert_eq!(points.listed(Side::Left).count(), SET_BY_HAND);
         points.check(3, Side::Left);
         points.set(4, Side::Right, DVec3::ZERO, true);
         points.check(of_other_side(7), Side::Right);
@@ -231,7 +282,7 @@ mod tests {
         // Marks that are taken back are as unseen as before.
         points.undo();
         points.undo();
-        assert_eq!(points.proposed().len(), ALL - 1);
+        assert_eq!(points.proposed().len(), SET_BY_HAND - 1);
         assert!(Points::default().listed(Side::Right).eq(0..COUNT));
         let words = [Side::Left, Side::Right].map(|side| [7, 8].map(|mark| name(mark, side).1));
         assert_eq!(words, [["outer", "right fold"], ["outer", "left fold"]]);

@@ -77,7 +77,7 @@ impl Viewport {
             (self.aspect, self.scanned) = (aspect, Some(scanned));
         }
         self.camera.mirror(false);
-        self.face_chosen(torso, dots);
+        let is_new = self.face_chosen(torso, dots);
         if self.move_camera(ui, &response, area) {
             ui.ctx().request_repaint();
         }
@@ -102,6 +102,9 @@ impl Viewport {
         let mut touched = None;
         for (k, dot) in dots.iter().enumerate() {
             let is_in_sight = self.is_in_sight(torso, (k, dot.at));
+            if is_new && dot.is_chosen {
+                ui.memory_mut(|memory| memory.request_focus(dot_id(ui, k)));
+            }
             touched = self.dot(ui, area, torso, (k, dot), is_in_sight).or(touched);
         }
         if touched.is_none() && response.clicked() {
@@ -123,22 +126,23 @@ impl Viewport {
         torso.picked(&self.camera.ray(super::moves::viewport_point(area, at), self.aspect))
     }
 
-    /// Turns the body when a mark comes into use that is out of sight.
-    fn face_chosen(&mut self, torso: &Torso, dots: &[Dot]) {
+    /// Turns the body when a mark comes into use that is out of sight. Returns whether one came into use.
+    fn face_chosen(&mut self, torso: &Torso, dots: &[Dot]) -> bool {
         let chosen = chosen(dots);
-        let Some(scanned) = &mut self.scanned else { return };
+        let Some(scanned) = &mut self.scanned else { return false };
         let before = std::mem::replace(&mut scanned.chosen, chosen.map(|dot| dot.name));
         let Some(at) = chosen.filter(|dot| before != Some(dot.name)).map(|dot| dot.at) else {
-            return;
+            return false;
         };
         if sees(torso, self.camera.eye(), at) {
-            return;
+            return true;
         }
         let front = super::torso::standing(torso, self.aspect, Standing::Front);
         let mut turned = TURNS.map(|degrees| front.turned_by(degrees.to_radians())).into_iter();
         if let Some(camera) = turned.find(|camera| sees(torso, camera.eye(), at)) {
             self.camera = camera;
         }
+        true
     }
 
     /// Is a dot on the side of the body towards the eye? Found once for a place and an eye.
@@ -165,18 +169,18 @@ impl Viewport {
         is_in_sight: bool,
     ) -> Option<Touched> {
         let at = self.point(dot.at, area).filter(|at| area.contains(*at))?;
-        let id = ui.scope_id().with(("mark", k));
+        let id = dot_id(ui, k);
         let around = Rect::from_center_size(at, egui::Vec2::splat(2.0 * REACH));
         let response = ui.interact(around, id, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, dot.name));
         paint(ui, area, at, dot, (response.has_focus(), is_in_sight));
+        if response.clicked() || response.drag_started() {
+            response.request_focus();
+        }
         if response.dragged() || response.drag_started() {
             let pointer = response.interact_pointer_pos()?;
             let place = self.on_skin(area, torso, pointer)?;
             return Some(Touched::Moved(k, place, response.drag_started()));
-        }
-        if response.clicked() {
-            response.request_focus();
         }
         if response.has_focus() {
             ui.memory_mut(|memory| memory.set_focus_lock_filter(id, arrow_keys()));
@@ -209,6 +213,11 @@ impl Viewport {
         let at = self.camera.project(from + by, self.aspect)?;
         torso.picked(&self.camera.ray(at, self.aspect))
     }
+}
+
+/// The control of a dot.
+fn dot_id(ui: &Ui, k: usize) -> egui::Id {
+    ui.scope_id().with(("mark", k))
 }
 
 /// The mark in use, once it is set.

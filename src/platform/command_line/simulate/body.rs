@@ -9,16 +9,22 @@ use crate::body::fit::{Settings, fit};
 use crate::body::frame::Frame;
 use crate::body::marks::{Marks, Side};
 use crate::body::mound::change;
+use crate::body::pick::snap;
 use crate::body::read::Unit;
 use crate::body::surface::Surface;
 use crate::body::write::write;
 use crate::export::Format;
 use crate::scene::Scene;
 use crate::solve::Solution;
+use glam::DVec3;
 use std::path::Path;
 
 /// Greatest distance of a nipple's mark from the surface of the body that it belongs to \[mm\].
 const OFF_MM: f64 = 25.0;
+/// Greatest median distance of the marks, or else of the skin over the pocket, from that surface \[mm\]: marks may be off, and a thickness edited.
+const MEDIAN_MM: f64 = 3.0;
+/// About so many nodes of the skin are held against the surface.
+const NODES: usize = 40;
 
 /// The surface before the implant.
 pub(super) struct Body<'a> {
@@ -30,6 +36,23 @@ pub(super) struct Body<'a> {
     unit: Unit,
     format: Format,
     after: &'a Path,
+}
+
+/// Some places of a scene's skin over the pocket, in the coordinates of the body.
+fn skin(scene: &Scene, frame: &Frame) -> Result<Vec<DVec3>, InputError> {
+    let rest = scene.problem().map_err(|error| InputError(error.to_string()))?.rest;
+    let nodes = rest.nodes(rest.layers() - 1);
+    let over: Vec<DVec3> =
+        nodes.filter(|at| at.truncate().length() < scene.pocket_radius_mm).collect();
+    let places = over.iter().step_by((over.len() / NODES).max(1));
+    Ok(places.map(|at| frame.point(*at)).collect())
+}
+
+/// The middle one of some distances; 0 without one.
+fn median(distances: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = distances.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 impl<'a> Body<'a> {
@@ -49,17 +72,21 @@ impl<'a> Body<'a> {
         let unit = Unit::from(placement.unit);
         let surface = scan::surface(path, Some(unit))?.surface;
         let side = if scene.is_right() { Side::Right } else { Side::Left };
-        let nipple = placement.marks.nipple(side);
-        let off =
-            surface.positions.iter().map(|p| p.distance(nipple)).fold(f64::INFINITY, f64::min);
-        if off > OFF_MM {
+        let (marks, cover_mm) = (placement.marks, placement.cover_mm);
+        let frame = placement.frame();
+        let off = |at: DVec3| snap(&surface, at).map_or(f64::INFINITY, |on| on.point.distance(at));
+        let named = marks.named(side).map_err(|error| output::input_error(path, error))?;
+        let of_nipple = off(marks.nipple(side));
+        let of_marks = median(named.iter().map(|(_, at)| off(*at)));
+        let is_off = of_nipple > OFF_MM
+            || of_marks > MEDIAN_MM
+                && median(skin(scene, &frame)?.into_iter().map(off)) > MEDIAN_MM;
+        if is_off {
             let line = format!(
-                "--body: the nipple of the scene is {off:.0} mm off the surface; allowed: the surface that the scene was made of"
+                "--body: of the scene's marks half are more than {of_marks:.0} mm off the surface, its nipple {of_nipple:.0} mm; allowed: the surface that the scene was made of"
             );
             return Err(output::input_error(path, line));
         }
-        let (marks, cover_mm) = (placement.marks, placement.cover_mm);
-        let frame = placement.frame();
         Ok(Some(Self { surface, marks, side, cover_mm, frame, unit, format, after }))
     }
 
