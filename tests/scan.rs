@@ -133,8 +133,8 @@ fn the_unit_of_a_file_does_not_matter() {
 /// Another person, and the same one elsewhere; a thickness that was edited is no other body.
 #[test]
 fn a_scene_has_no_place_on_another_body() {
-    let folder = folder("scan-another-body");
-    body(&folder, Unit::Millimetres);
+    let folder = folder();
+    body(&folder, Unit::Mm);
     let (mut scene, _) = scanned(&folder, &[]);
     scene["solver"] = serde_json::json!({ "nodes_per_side": 17, "tolerance": 1e-2 });
     scene["insertion"] = 0.3.into();
@@ -144,7 +144,7 @@ fn a_scene_has_no_place_on_another_body() {
     let on = |change: fn(DVec3) -> DVec3| {
         let Torso { mut surface, .. } = builtin();
         surface.positions.iter_mut().for_each(|at| *at = change(*at));
-        fs::write(folder.join("on.ply"), write(&surface, Unit::Millimetres, Format::Ply)).unwrap();
+        fs::write(folder.join("on.ply"), write(&surface, Unit::Mm, Format::Ply)).unwrap();
         let output = run(
             &folder,
             &["simulate", "scene.json", "--body", "on.ply", "--after", "after.ply"],

@@ -237,6 +237,53 @@ fn a_mark_out_of_sight_turns_the_body_when_it_is_chosen() {
     }
 }
 
+/// Keys move the mark that was clicked, dragged or chosen in the list, and nothing of the plan behind.
+#[test]
+fn keys_move_the_mark_in_use_alone() {
+    let mut harness = screen(DESKTOP);
+    drop_file(&mut harness, marks(Unit::Mm), "open its scan");
+    drop_file(&mut harness, scan(Unit::Mm), "Scan her.ply");
+    let place = |harness: &Screen, name: &str| button(harness, name).rect().center();
+    let press = |harness: &mut Screen, modifiers, key| {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run();
+    };
+    let pointed = |harness: &mut Screen, from: egui::Pos2, by: egui::Vec2| {
+        harness.drag_at(from);
+        harness.run();
+        harness.hover_at(from + by);
+        harness.run();
+        harness.drop_at(from + by);
+        harness.run();
+    };
+    let before = place(&harness, "Right nipple");
+    button(&harness, "right nipple").click();
+    harness.run();
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowDown);
+    let lower = place(&harness, "Right nipple");
+    assert!(lower.y > before.y + 5.0, "{before} {lower}");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(place(&harness, "Right nipple"), before);
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(place(&harness, "Right nipple"), lower);
+    let navel = place(&harness, "Navel");
+    pointed(&mut harness, navel, egui::vec2(0.0, -20.0));
+    let dragged = place(&harness, "Navel");
+    assert!(dragged.y < navel.y - 10.0, "{navel} {dragged}");
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowUp);
+    assert!(place(&harness, "Navel").y < dragged.y - 5.0);
+    // The skin between the nipples is none of the marks.
+    let skin = place(&harness, "Left nipple").lerp(place(&harness, "Right nipple"), 0.4);
+    pointed(&mut harness, skin, egui::Vec2::ZERO);
+    let places = ["Navel", "Right nipple"].map(|name| place(&harness, name));
+    press(&mut harness, Modifiers::NONE, Key::ArrowDown);
+    press(&mut harness, Modifiers::NONE, Key::OpenBracket);
+    assert_eq!(["Navel", "Right nipple"].map(|name| place(&harness, name)), places);
+    button(&harness, "Cancel").click();
+    harness.run();
+    assert_eq!(scene(&harness), flat_plan());
+}
+
 #[test]
 fn a_bad_file_has_one_line_and_wrong_marks_stay() {
     let mut harness = screen(DESKTOP);

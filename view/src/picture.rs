@@ -8,6 +8,7 @@ use crate::section::{CapTriangle, Section};
 use crate::strokes;
 use crate::subject::Subject;
 use crate::torso::{Attached, Shape, Torso};
+use glam::Vec3;
 use implant_preview_core::contact::Dome;
 use implant_preview_core::measure::Fields;
 use implant_preview_core::mesh::Chest;
@@ -117,6 +118,12 @@ impl Picture {
             self.last_shape = Some((start, seconds() - start));
         }
         !stale || reshape
+    }
+
+    /// The plane at which the torso ends behind, as [`Torso::end`].
+    #[must_use]
+    pub fn end(&self) -> Option<(Vec3, f32)> {
+        self.attached.as_ref().and_then(|(torso, _)| torso.end())
     }
 
     /// Updates the torso to the drawn shape and colours, or drops it.

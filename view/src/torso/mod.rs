@@ -62,6 +62,8 @@ pub struct Torso {
     radius_mm: f32,
     /// Angle of the front about the axis towards the head \[radians\].
     azimuth: f32,
+    /// The plane at which the body ends behind: normal to the front and height of the origin over it \[mm\]; `None` for a whole body.
+    end: Option<(Vec3, f32)>,
 }
 
 /// A vertex that may move.
@@ -120,6 +122,9 @@ impl Torso {
             torso.turns.push(frame.axes.transpose() * DMat3::from_diagonal(hand) * own.axes);
         }
         torso.is_alike = true;
+        let low = surface.positions.iter().map(|at| at.z).fold(f64::INFINITY, f64::min);
+        let front = frame.axes.transpose() * DVec3::Z;
+        torso.end = Some((front.as_vec3(), (frame.origin.z - low) as f32));
         torso.find_nearest();
         torso
     }
@@ -197,7 +202,14 @@ impl Torso {
             middle: 0.5 * (least + most),
             radius_mm: SHOWN * (most - least).truncate().max_element(),
             azimuth: front.x.atan2(front.z) as f32,
+            end: None,
         }
+    }
+
+    /// The plane at which the body ends behind: normal to the front and height of the origin over it \[mm\]; `None` for a whole body.
+    #[must_use]
+    pub fn end(&self) -> Option<(Vec3, f32)> {
+        self.end
     }
 
     /// Finds for each vertex the side whose pocket is the nearest one.

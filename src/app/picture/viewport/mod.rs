@@ -44,7 +44,7 @@ use crate::view::wall;
 use eframe::egui::{self, Align2, Pos2, Rect, Response, Sense, TextStyle, Ui, WidgetInfo};
 use eframe::{egui_glow, glow};
 use egui::layers::ShapeIdx;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use marks::{Marked, Marks};
 use panes::Pane;
 use renderer::{Areola, Frame, Renderer};
@@ -124,6 +124,8 @@ struct Drawn<'a> {
     areola: Areola,
     /// The line of the pocket's edge?
     pocket_line: bool,
+    /// The plane at which the torso ends behind.
+    end: Option<(Vec3, f32)>,
 }
 
 impl<'a> Drawn<'a> {
@@ -148,6 +150,7 @@ impl<'a> Drawn<'a> {
             net: options.net,
             areola: options.areola(),
             pocket_line: options.has_pocket_line(),
+            end: picture.end(),
         }
     }
 }
@@ -368,7 +371,7 @@ impl Viewport {
 
     fn draw(&self, ui: &Ui, painter: &egui::Painter, area: Rect, drawn: Drawn<'_>) {
         let Drawn { number, numbers, meshes, nodes_per_side, table, range, problem, .. } = drawn;
-        let Drawn { section, net, areola, pocket_line, .. } = drawn;
+        let Drawn { section, net, areola, pocket_line, end, .. } = drawn;
         let Some(renderer) = &self.renderer else {
             let why = self.error.as_deref().unwrap_or("graphics are missing");
             let text = tr!(
@@ -405,11 +408,16 @@ impl Viewport {
             grid_centre: 0.5 * nodes_per_side.saturating_sub(1) as f32,
             foot: problem.obstacle.dome.wall_axes().as_vec2().to_array(),
             pocket: [pocket, edge.radius_mm / edge.reach_mm()].map(|of| of as f32),
+            // A whole body is everywhere in front of its end.
+            end: end.map_or(Vec4::W * f32::MAX, |(front, height)| front.extend(height)),
+            behind: overlay::behind(ui),
         };
         let renderer = Arc::clone(renderer);
-        let paint = egui_glow::CallbackFn::new(move |_, painter| {
+        let paint = egui_glow::CallbackFn::new(move |info, painter| {
+            let window = info.viewport_in_pixels();
+            let window = [window.from_bottom_px, window.height_px].map(|px| px as f32);
             if let Ok(mut renderer) = renderer.lock() {
-                renderer.paint(painter.gl(), &frame);
+                renderer.paint(painter.gl(), &frame, window);
             }
         });
         painter.add(egui::PaintCallback { rect: area, callback: Arc::new(paint) });

@@ -8,6 +8,7 @@ use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, pos2, vec2,
 };
+use glam::Vec3;
 
 pub(super) const MARGIN: f32 = 16.0;
 
@@ -209,11 +210,7 @@ fn beside_pointer(area: Rect, pointer: Pos2, size: Vec2, taken: &[Rect]) -> Rect
 
 /// Draws a gradient behind the body, lighter at the top.
 pub(crate) fn background(ui: &Ui, painter: &Painter, area: Rect) {
-    let (top, bottom) = if ui.visuals().dark_mode {
-        (Color32::from_rgb(40, 43, 47), Color32::from_rgb(22, 24, 27))
-    } else {
-        (Color32::from_rgb(247, 248, 249), Color32::from_rgb(219, 223, 227))
-    };
+    let [bottom, top] = ends(ui);
     let mut mesh = Mesh::default();
     for (corner, color) in [
         (area.left_top(), top),
@@ -226,6 +223,19 @@ pub(crate) fn background(ui: &Ui, painter: &Painter, area: Rect) {
     mesh.add_triangle(0, 1, 2);
     mesh.add_triangle(0, 2, 3);
     painter.add(Shape::mesh(mesh));
+}
+
+/// Its colours at the lower and at the upper edge.
+fn ends(ui: &Ui) -> [Color32; 2] {
+    match ui.visuals().dark_mode {
+        true => [Color32::from_rgb(22, 24, 27), Color32::from_rgb(40, 43, 47)],
+        false => [Color32::from_rgb(219, 223, 227), Color32::from_rgb(247, 248, 249)],
+    }
+}
+
+/// The same, from 0 to 1.
+pub(crate) fn behind(ui: &Ui) -> [Vec3; 2] {
+    ends(ui).map(|color| Vec3::new(color.r().into(), color.g().into(), color.b().into()) / 255.0)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use crate::view::color::{Rgb, bytes};
 use crate::view::mesh::{Mesh, Vertex};
 use eframe::glow::{self, HasContext as _};
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
@@ -73,6 +73,10 @@ pub(crate) struct Frame {
     pub(crate) pocket: [f32; 2],
     /// Radius of the circle where the implant meets the chest wall \[mm\].
     pub(crate) foot: [f32; 2],
+    /// The plane at which the torso ends behind: normal and height of the origin over it \[mm\].
+    pub(crate) end: Vec4,
+    /// Colour of the background at the lower and at the upper edge.
+    pub(crate) behind: [Vec3; 2],
 }
 
 /// Buffers of a mesh on the graphics card.
@@ -122,7 +126,8 @@ impl Renderer {
     }
 
     /// Draws a frame into the present viewport, over its content.
-    pub(crate) fn paint(&mut self, gl: &glow::Context, frame: &Frame) {
+    /// `window`: its lower edge and height \[pixels\].
+    pub(crate) fn paint(&mut self, gl: &glow::Context, frame: &Frame, window: [f32; 2]) {
         // SAFETY: as in `new`; egui restores its own state after a paint callback.
         unsafe {
             self.free_others(gl, &frame.pictures);
@@ -148,6 +153,7 @@ impl Renderer {
             gl.clear(glow::DEPTH_BUFFER_BIT);
             gl.use_program(Some(self.program));
             self.set_frame_uniforms(gl, frame);
+            gl.uniform_2_f32(self.uniform(gl, "u_window").as_ref(), window[0], window[1]);
             for (material, buffers) in MATERIALS.into_iter().zip(&self.buffers[&frame.picture]) {
                 let Some(mesh) = &buffers.uploaded else { continue };
                 let cut = material == Material::Tissue && frame.planes.is_some();
@@ -217,10 +223,14 @@ impl Renderer {
                 ("u_planes[0]", planes[0]),
                 ("u_planes[1]", planes[1]),
                 ("u_axis", frame.axis.extend(0.0)),
+                ("u_behind[0]", frame.behind[0]),
+                ("u_behind[1]", frame.behind[1]),
             ] {
                 gl.uniform_3_f32(self.uniform(gl, name).as_ref(), v.x, v.y, v.z);
             }
             gl.uniform_2_f32(self.uniform(gl, "u_range").as_ref(), frame.range[0], frame.range[1]);
+            let [x, y, z, w] = frame.end.to_array();
+            gl.uniform_4_f32(self.uniform(gl, "u_end").as_ref(), x, y, z, w);
             let [across, along] = frame.foot;
             gl.uniform_2_f32(self.uniform(gl, "u_foot").as_ref(), across, along);
             let centre = frame.grid_centre;

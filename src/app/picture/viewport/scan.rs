@@ -96,6 +96,7 @@ impl Viewport {
             net: false,
             areola: Areola::Hidden,
             pocket_line: false,
+            end: None,
         };
         self.draw(ui, &painter, area, drawn);
         overlay::scale_bar(ui, &painter, area, self.points_per_mm(area));

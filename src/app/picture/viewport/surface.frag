@@ -14,6 +14,9 @@ uniform float u_cell;        // width of a cell at rest [mm]
 uniform int u_areola;        // 0 none, 1 in its own colour, 2 its edge
 uniform float u_pocket;      // radius of the pocket's edge on the grid [cells]; 0: no line
 uniform float u_lower;       // that radius by the edge's distance from the centre downwards
+uniform vec4 u_end;          // plane at which the torso ends behind: normal, and height of the origin over it [mm]
+uniform vec3 u_behind[2];    // background at the lower and at the upper edge
+uniform vec2 u_window;       // lower edge and height [pixels]
 uniform vec2 u_foot;         // half-axes of the ellipse in which the implant meets the wall, across and along the body [mm]
 
 in vec3 v_position;
@@ -26,6 +29,7 @@ out vec4 out_color;
 
 const float AREOLA = 20.0;     // radius at rest [mm]
 const float NIPPLE = 5.5;
+const float ENDING = 45.0;     // depth over which the end of the torso fades [mm]
 const float EPIDERMIS = 0.7;   // drawn thickness [mm], more than the true one
 const float LOBULE = 4.5;      // width of a lobule of fat at rest [mm]
 const float PATTERN = 1000.0;  // step between the values of the patterns of cut faces
@@ -132,7 +136,7 @@ void main() {
     vec3 back = normalize(cross(u_right, u_up));
     vec3 key = normalize(0.55 * back + 0.50 * u_up - 0.75 * u_right + vec3(0.0, 0.0, 0.15));
     vec3 fill = normalize(0.8 * back + 0.2 * u_up + 0.8 * u_right);
-    vec3 behind = normalize(0.9 * u_up - 0.35 * back + 0.45 * u_right);
+    vec3 from_behind = normalize(0.9 * u_up - 0.35 * back + 0.45 * u_right);
     vec3 ambient = mix(vec3(0.20, 0.18, 0.18), vec3(0.40, 0.42, 0.45), 0.5 + 0.5 * normal.z);
 
     if (skin) ambient *= 0.88;
@@ -162,7 +166,7 @@ void main() {
     vec3 halfway = normalize(key + view);
     float glance = clamp(dot(normal, halfway), 0.0, 1.0);
     float aside = 1.0 - facing;
-    float rim = aside * aside * aside * clamp(dot(normal, behind) + 0.2, 0.0, 1.0);
+    float rim = aside * aside * aside * clamp(dot(normal, from_behind) + 0.2, 0.0, 1.0);
     if (skin) {
         float glance2 = glance * glance;
         float glance8 = glance2 * glance2 * glance2 * glance2;
@@ -218,5 +222,13 @@ void main() {
         color = mix(color, vec3(0.05, 0.05, 0.09), 0.6 * edge);
     }
 
-    out_color = vec4(srgb_of(clamp(color, 0.0, 1.0)), coverage);
+    vec3 shown = srgb_of(clamp(color, 0.0, 1.0));
+    if (u_material == 4) {
+        // From the side, the torso has no edge where it ends.
+        float from_end = smoothstep(0.0, ENDING, dot(u_end.xyz, v_position) + u_end.w);
+        float aside = 1.0 - smoothstep(0.35, 0.75, abs(dot(u_end.xyz, view)));
+        vec3 behind = mix(u_behind[0], u_behind[1], (gl_FragCoord.y - u_window.x) / u_window.y);
+        shown = mix(shown, behind, aside * (1.0 - from_end));
+    }
+    out_color = vec4(shown, coverage);
 }
