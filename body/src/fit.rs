@@ -378,6 +378,9 @@ impl<'s> Subject<'s> {
         quality.yaw_degrees = z.dot(across).atan2(z.dot(front)).to_degrees();
         quality.pitch_degrees = z.dot(head).asin().to_degrees();
         quality.is_turned = self.orientation < 0.0;
+        if quality.open_pocket_percent > 0.0 {
+            quality.inwards_percent = self.view(frame).inwards_percent(NEAR_MM);
+        }
         if self.is_proposed() {
             quality.above_nipple_mm = (self.center - self.marks.nipple(self.side)).dot(head);
         }

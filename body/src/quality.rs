@@ -38,6 +38,8 @@ pub struct Quality {
     pub holes: usize,
     /// Share of the nodes within 10 mm of the pocket that are without skin after holes are filled \[%\].
     pub open_pocket_percent: f64,
+    /// Share of the triangles within 100 mm of the implant's centre that face inwards, of a surface with holes in the pocket \[%\].
+    pub inwards_percent: f64,
     /// Distance from the notch to the nipple \[mm\].
     pub notch_nipple_mm: f64,
     /// Angle of the frame's z against the body's front about the head's axis, positive towards the patient's left \[degrees\].
@@ -165,6 +167,8 @@ mod limits {
     pub(super) const NO_SKIN_PERCENT: f64 = 10.0;
     /// Greatest share without skin near the pocket \[%\].
     pub(super) const OPEN_POCKET_PERCENT: f64 = 0.5;
+    /// Share of the triangles that face inwards above which they may be why \[%\].
+    pub(super) const INWARDS_PERCENT: f64 = 2.0;
     /// Least radius of curvature \[mm\].
     pub(super) const RADIUS_MM: (f64, f64) = (90.0, 250.0);
     /// Greatest root mean square of the data's distances from the quadric \[mm\].
@@ -251,11 +255,16 @@ impl Quality {
                 "the breast has {value:.0} ml over its chest; allowed: {least:.0} to {most:.0} ml: check unit and marks"
             ));
         }
-        if self.open_pocket_percent > limits::OPEN_POCKET_PERCENT {
+        let (open, most) = (self.open_pocket_percent, limits::OPEN_POCKET_PERCENT);
+        if open > most && self.inwards_percent > limits::INWARDS_PERCENT {
             return Some(format!(
-                "the scan ends inside of the operating field: {:.1} % of the pocket has no skin; allowed: {} %: check scan and marks",
-                self.open_pocket_percent,
-                limits::OPEN_POCKET_PERCENT
+                "{open:.1} % of the pocket has no skin, and {:.0} % of the triangles about it face inwards; allowed: {most} %: turn those triangles, or check scan and marks",
+                self.inwards_percent
+            ));
+        }
+        if open > most {
+            return Some(format!(
+                "the scan ends inside of the operating field: {open:.1} % of the pocket has no skin; allowed: {most} %: check scan and marks"
             ));
         }
         let (percent, air) = limits::OVERHANG;

@@ -38,6 +38,20 @@ impl View<'_> {
         up > LEAST_UP * length
     }
 
+    /// Share of the triangles within a distance of the frame's origin \[mm\] that face inwards \[%\]; 0 without one.
+    pub(crate) fn inwards_percent(&self, within_mm: f64) -> f64 {
+        let (mut all, mut inwards) = (0_u32, 0_u32);
+        for triangle in &self.surface.triangles {
+            let at = self.surface.positions[triangle[0] as usize];
+            if at.distance_squared(self.frame.origin) < within_mm * within_mm {
+                let (up, length) = self.up(*triangle);
+                all += 1;
+                inwards += u32::from(up < -LEAST_UP * length);
+            }
+        }
+        100.0 * f64::from(inwards) / f64::from(all.max(1))
+    }
+
     /// Those of some triangles that face outwards.
     #[must_use]
     pub fn outwards(&self, triangles: &[u32]) -> Vec<u32> {

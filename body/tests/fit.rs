@@ -214,6 +214,14 @@ fn marks_and_surfaces_that_do_not_fit_are_one_line() {
     let mut cut = surface.clone();
     cut.triangles.retain(|triangle| surface.corners(*triangle).iter().all(|p| p.y > -60.0));
     assert!(line(&cut, &marks).starts_with("the scan ends inside of the operating field"));
+    // The same side turned over.
+    let mut mixed = surface.clone();
+    cut.triangles.sort_unstable();
+    let is_kept = |triangle: &[u32; 3]| cut.triangles.binary_search(triangle).is_ok();
+    let turned = mixed.triangles.iter_mut().filter(|triangle| !is_kept(triangle));
+    turned.for_each(|triangle| triangle.swap(0, 1));
+    let line = line(&mixed, &marks);
+    assert!(line.contains(" % of the triangles about it face inwards"), "{line}");
 }
 
 /// A mark off the skin has a warning, far off an error; the navel may lie beyond the scan.
