@@ -103,10 +103,8 @@ impl Viewport {
         let mut touched = None;
         for (k, dot) in dots.iter().enumerate() {
             let is_in_sight = self.is_in_sight(torso, (k, dot.at));
-            if is_new && dot.is_chosen {
-                ui.memory_mut(|memory| memory.request_focus(dot_id(ui, k)));
-            }
-            touched = self.dot(ui, area, torso, (k, dot), is_in_sight).or(touched);
+            let of = (is_in_sight, is_new && dot.is_chosen);
+            touched = self.dot(ui, area, torso, (k, dot), of).or(touched);
         }
         if touched.is_none() && response.clicked() {
             let at = response.interact_pointer_pos()?;
@@ -167,15 +165,15 @@ impl Viewport {
         area: Rect,
         torso: &Torso,
         (k, dot): (usize, &Dot),
-        is_in_sight: bool,
+        (is_in_sight, takes_focus): (bool, bool),
     ) -> Option<Touched> {
         let at = self.point(dot.at, area).filter(|at| area.contains(*at))?;
-        let id = dot_id(ui, k);
+        let id = ui.scope_id().with(("mark", k));
         let around = Rect::from_center_size(at, egui::Vec2::splat(2.0 * REACH));
         let response = ui.interact(around, id, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, dot.name));
         paint(ui, area, at, dot, (response.has_focus(), is_in_sight));
-        if response.clicked() || response.drag_started() {
+        if takes_focus || response.clicked() || response.drag_started() {
             response.request_focus();
         }
         if response.dragged() || response.drag_started() {
@@ -214,11 +212,6 @@ impl Viewport {
         let at = self.camera.project(from + by, self.aspect)?;
         torso.picked(&self.camera.ray(at, self.aspect))
     }
-}
-
-/// The control of a dot.
-fn dot_id(ui: &Ui, k: usize) -> egui::Id {
-    ui.scope_id().with(("mark", k))
 }
 
 /// The mark in use, once it is set.
