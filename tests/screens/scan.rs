@@ -250,9 +250,11 @@ fn keys_move_the_mark_in_use_alone() {
     };
     let pointed = |harness: &mut Screen, from: egui::Pos2, by: egui::Vec2| {
         harness.drag_at(from);
-        harness.run();
-        harness.hover_at(from + by);
-        harness.run();
+        harness.step();
+        for part in [0.5, 1.0] {
+            harness.hover_at(from + part * by);
+            harness.step();
+        }
         harness.drop_at(from + by);
         harness.run();
     };
@@ -266,19 +268,19 @@ fn keys_move_the_mark_in_use_alone() {
     assert_eq!(place(&harness, "Right nipple"), before);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(place(&harness, "Right nipple"), lower);
-    let navel = place(&harness, "Navel");
-    pointed(&mut harness, navel, egui::vec2(0.0, -20.0));
-    let dragged = place(&harness, "Navel");
-    assert!(dragged.y < navel.y - 10.0, "{navel} {dragged}");
-    press(&mut harness, Modifiers::SHIFT, Key::ArrowUp);
-    assert!(place(&harness, "Navel").y < dragged.y - 5.0);
+    let notch = place(&harness, "Sternal notch");
+    pointed(&mut harness, notch, egui::vec2(0.0, 30.0));
+    let dragged = place(&harness, "Sternal notch");
+    assert!(dragged.y > notch.y + 10.0, "{notch} {dragged}");
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowDown);
+    assert!(place(&harness, "Sternal notch").y > dragged.y + 5.0);
     // The skin between the nipples is none of the marks.
     let skin = place(&harness, "Left nipple").lerp(place(&harness, "Right nipple"), 0.4);
     pointed(&mut harness, skin, egui::Vec2::ZERO);
-    let places = ["Navel", "Right nipple"].map(|name| place(&harness, name));
+    let places = ["Sternal notch", "Right nipple"].map(|name| place(&harness, name));
     press(&mut harness, Modifiers::NONE, Key::ArrowDown);
     press(&mut harness, Modifiers::NONE, Key::OpenBracket);
-    assert_eq!(["Navel", "Right nipple"].map(|name| place(&harness, name)), places);
+    assert_eq!(["Sternal notch", "Right nipple"].map(|name| place(&harness, name)), places);
     button(&harness, "Cancel").click();
     harness.run();
     assert_eq!(scene(&harness), flat_plan());

@@ -33,6 +33,8 @@ pub(super) struct Scanned {
     seen: Vec<([Vec3; 2], bool)>,
     /// Name of the mark in use.
     chosen: Option<&'static str>,
+    /// Has its dot yet to get the focus? The click that chose the mark takes it from all that is not clicked.
+    is_to_focus: bool,
 }
 
 /// A mark in the picture.
@@ -73,11 +75,13 @@ impl Viewport {
         if is_new || (aspect - self.aspect).abs() > 1e-4 {
             self.camera = super::torso::standing(torso, aspect, Standing::Front);
             let chosen = chosen(dots).map(|dot| dot.name);
-            let scanned = Scanned { torso: Rc::clone(torso), seen: Vec::new(), chosen };
+            let scanned =
+                Scanned { torso: Rc::clone(torso), seen: Vec::new(), chosen, is_to_focus: false };
             (self.aspect, self.scanned) = (aspect, Some(scanned));
         }
         self.camera.mirror(false);
-        let is_new = self.face_chosen(torso, dots);
+        self.face_chosen(torso, dots);
+        let takes_focus = self.takes_focus(ui);
         if self.move_camera(ui, &response, area) {
             ui.ctx().request_repaint();
         }
@@ -103,7 +107,7 @@ impl Viewport {
         let mut touched = None;
         for (k, dot) in dots.iter().enumerate() {
             let is_in_sight = self.is_in_sight(torso, (k, dot.at));
-            let of = (is_in_sight, is_new && dot.is_chosen);
+            let of = (is_in_sight, takes_focus && dot.is_chosen);
             touched = self.dot(ui, area, torso, (k, dot), of).or(touched);
         }
         if touched.is_none() && response.clicked() {
@@ -125,23 +129,33 @@ impl Viewport {
         torso.picked(&self.camera.ray(super::moves::viewport_point(area, at), self.aspect))
     }
 
-    /// Turns the body when a mark comes into use that is out of sight. Returns whether one came into use.
-    fn face_chosen(&mut self, torso: &Torso, dots: &[Dot]) -> bool {
+    /// Turns the body when a mark comes into use that is out of sight.
+    fn face_chosen(&mut self, torso: &Torso, dots: &[Dot]) {
         let chosen = chosen(dots);
-        let Some(scanned) = &mut self.scanned else { return false };
+        let Some(scanned) = &mut self.scanned else { return };
         let before = std::mem::replace(&mut scanned.chosen, chosen.map(|dot| dot.name));
         let Some(at) = chosen.filter(|dot| before != Some(dot.name)).map(|dot| dot.at) else {
-            return false;
+            return;
         };
+        scanned.is_to_focus = true;
         if sees(torso, self.camera.eye(), at) {
-            return true;
+            return;
         }
         let front = super::torso::standing(torso, self.aspect, Standing::Front);
         let mut turned = TURNS.map(|degrees| front.turned_by(degrees.to_radians())).into_iter();
         if let Some(camera) = turned.find(|camera| sees(torso, camera.eye(), at)) {
             self.camera = camera;
         }
-        true
+    }
+
+    /// Does the dot of the mark in use get the focus in this frame?
+    fn takes_focus(&mut self, ui: &Ui) -> bool {
+        let Some(scanned) = self.scanned.as_mut().filter(|scanned| scanned.is_to_focus) else {
+            return false;
+        };
+        ui.ctx().request_repaint();
+        scanned.is_to_focus = ui.input(|input| input.pointer.any_released());
+        !scanned.is_to_focus
     }
 
     /// Is a dot on the side of the body towards the eye? Found once for a place and an eye.
