@@ -74,6 +74,8 @@ fn a_body_becomes_a_scene_and_the_body_over_its_implant() {
     assert!((15.0..30.0).contains(&most) && full.iter().filter(|by| **by == 0.0).count() > 2000);
     // At rest nothing changes; over the implant the breast gains its volume and the void, all of it in the patch.
     assert_eq!(measured[0]["before"], measured[0]["after"]);
+    let nothing = ["gained_ml", "implant_ml", "void_ml"].map(|name| measured[0][name].as_f64());
+    assert_eq!(nothing, [Some(0.0); 3]);
     let number = |path: &str| measured[1].pointer(path).and_then(Value::as_f64).unwrap();
     let (gained, implant) = (number("/gained_ml"), number("/implant_ml"));
     assert!((number("/void_ml") - (gained - implant)).abs() < 0.02);

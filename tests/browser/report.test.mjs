@@ -269,6 +269,33 @@ describe("a plan on paper", { timeout: 15 * harness.PATIENCE }, () => {
     await finish();
   });
 
+  test("shows each side from its own side where each has a plan", async () => {
+    const { page, finish } = await fixture.openApp({ isPlain: true });
+    const torso = { chest_width_mm: 260 };
+    await page.evaluate((torso) => {
+      const scene = { ...JSON.parse(implantPreview.scene()), chest: { torso } };
+      implantPreview.setScene(JSON.stringify(scene));
+    }, torso);
+    await harness.settled(page);
+    await harness.control(page, "each own");
+    await page.keyboard.press("Enter");
+    await harness.settled(page);
+    await page.evaluate(() => implantPreview.setPlan("volume_ml", "260"));
+    await harness.settled(page);
+    const report = (await save(page, "Save report (HTML)…")).bytes.toString();
+    const paper = await page.context().newPage();
+    await paper.setContent(report);
+    const poses = ["Three-quarter view", "From the patient's side"];
+    const [of, ofOther] = ["left", "right"].map((side) => poses.map((pose) => `${pose} · ${side}`));
+    assert.deepEqual(await paper.locator("figcaption").allTextContents(), ["From the front", ...of, ...ofOther]);
+    const images = await paper.locator("figure img").evaluateAll((all) => all.map((image) => image.src));
+    assert.equal(new Set(images).size, 5, "two poses are one picture");
+    assert.match(await paper.title(), /left 260 ml, [\d.]+ cm · right \d+ ml, [\d.]+ cm$/);
+    assert.equal(textsOf(await paper.pdf({ format: "A4" })).length, 2);
+    await paper.close();
+    await finish();
+  });
+
   test("has patient and visit in file, report and picture, and nowhere else", async () => {
     const { page, finish } = await fixture.openApp({ isPlain: true });
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);

@@ -254,6 +254,17 @@ pub(super) fn cover_at(solution: &Solution, node: usize) -> f64 {
     solution.problem().obstacle.dome.closest_point(outer).0
 }
 
+/// Thickness of a layer at rest at a node \[mm\], the skin first.
+#[must_use]
+pub fn thickness_at_rest(problem: &Problem, layer: usize, node: usize) -> f64 {
+    let rest = &problem.rest;
+    if layer == 0 || rest.is_even() {
+        return problem.materials[layer].thickness_mm;
+    }
+    let outer = rest.layers() - layer;
+    rest.node(outer, node).distance(rest.node(outer - 1, node))
+}
+
 /// Pull of the attachment at a node \[kPa\].
 pub(super) fn traction_at(solution: &Solution, node: usize) -> f64 {
     let problem = solution.problem();

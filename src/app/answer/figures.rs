@@ -4,7 +4,7 @@ use super::practice::{Against, Practices};
 use crate::app::texts::{self, tr, word_of};
 use crate::clinical::STEP_ML;
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
-use crate::measure::{CoverWithoutMuscle, Outcome, STRAIN_BANDS};
+use crate::measure::{CoverWithoutMuscle, Outcome, STRAIN_BANDS, thickness_at_rest};
 use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::Parameter;
@@ -36,7 +36,7 @@ pub(super) struct Answer {
     pub(super) apex: Option<f64>,
     /// Both without the muscle, of a pocket below it.
     pub(super) without_muscle: Option<CoverWithoutMuscle>,
-    /// Thickness at rest \[mm\].
+    /// Thickness at rest, the least over the implant's base \[mm\].
     pub(super) rest: f64,
     /// Does the tissue have a cover, or is it one sheet?
     pub(super) is_layered: bool,
@@ -56,6 +56,20 @@ pub(super) fn in_words((band, word): Verdict) -> Verdict {
 pub(super) fn pressure_verdict(mmhg: f64) -> Verdict {
     let (band, word) = bands::PRESSURE.verdict(mmhg);
     (band, word_of(&bands::PRESSURE, word))
+}
+
+/// The least thickness of the tissue at rest over the implant's base \[mm\].
+fn rest_mm(scene: &Scene, problem: &Problem) -> f64 {
+    if problem.rest.is_even() {
+        return scene.tissue_mm();
+    }
+    let base = scene.implant.base_radius_mm;
+    let places = problem.sheet().rest().iter().enumerate();
+    let over_base = places.filter(|(_, place)| place.length() <= base);
+    let thickness = |(node, _)| -> f64 {
+        (0..problem.materials.len()).map(|layer| thickness_at_rest(problem, layer, node)).sum()
+    };
+    over_base.map(thickness).fold(f64::INFINITY, f64::min)
 }
 
 impl Answer {
@@ -89,7 +103,7 @@ impl Answer {
             apex: cover.map(|cover| cover.apex),
             without_muscle: cover.and_then(|cover| cover.without_muscle),
             is_layered: scene.is_layered(),
-            rest: scene.layers.iter().map(|layer| layer.thickness_mm).sum(),
+            rest: rest_mm(scene, problem),
             pressure: outcome.and_then(|o| o.contact_pressure_mmhg).map(|p| (p.mean, p.max)),
         }
     }

@@ -8,7 +8,7 @@ use crate::body::frame::Frame;
 use crate::body::marks::{Marks, Side};
 use crate::body::read::Unit;
 use crate::body::surface::Surface;
-use crate::measure::{Outcome, Status};
+use crate::measure::Status;
 use crate::scene::{Scene, Shaped};
 use crate::session::{OtherSide, Pin, Session};
 use crate::solve::Solution;
@@ -73,10 +73,10 @@ fn surface(session: &Session) -> Option<&Arc<Surface>> {
     Some(session.scene().placement.as_ref()?.surface.as_ref()?.surface())
 }
 
-/// The other side's result and shape.
-fn of_other(other: &OtherSide) -> Option<(&Outcome, &Arc<Solution>)> {
-    let outcome = other.outcome().filter(|outcome| outcome.status == Status::Converged)?;
-    Some((outcome, other.fields()?.solution()))
+/// The other side's shape, if it is converged.
+fn of_other(other: &OtherSide) -> Option<&Arc<Solution>> {
+    other.outcome().filter(|outcome| outcome.status == Status::Converged)?;
+    Some(other.fields()?.solution())
 }
 
 /// The image of a frame in the midplane of the built-in torso, x = 0.
@@ -91,9 +91,11 @@ pub(crate) fn surfaces(session: &Session) -> Option<([Surface; 2], Unit)> {
     let before = surface(session)?;
     let mut sides = vec![(placement.frame(), &**session.solution())];
     let other = session.other_side();
-    sides.extend(other.and_then(|other| {
-        Some((other.scene().placement.as_ref()?.frame(), &**of_other(other)?.1))
-    }));
+    sides.extend(
+        other.and_then(|other| {
+            Some((other.scene().placement.as_ref()?.frame(), &**of_other(other)?))
+        }),
+    );
     Some(([Surface::clone(before), deform_sides(before, &sides)], placement.unit.into()))
 }
 
@@ -106,9 +108,9 @@ impl Measured {
         if session.is_working() {
             return self.last(&place, scene);
         }
-        let outcome = session.result().filter(|outcome| outcome.status == Status::Converged)?;
+        session.result().filter(|outcome| outcome.status == Status::Converged)?;
         let other = self.beside(session, &place);
-        self.rows(&place, (scene, outcome), session.solution(), other)
+        self.rows(&place, scene, session.solution(), other)
     }
 
     /// The measures of the other side's plan, as [`Self::of_plan`]; `None` for one plan.
@@ -117,12 +119,11 @@ impl Measured {
         let place = self.place(session, scene)?;
         let is_converged =
             session.result().is_some_and(|outcome| outcome.status == Status::Converged);
-        let Some((outcome, own)) = session.other_side().and_then(of_other).filter(|_| is_converged)
-        else {
+        let Some(own) = session.other_side().and_then(of_other).filter(|_| is_converged) else {
             return self.last(&place, scene);
         };
         let other = (self.place(session, session.scene())?.frame, session.solution());
-        self.rows(&place, (scene, outcome), own, Some(other))
+        self.rows(&place, scene, own, Some(other))
     }
 
     /// The measures of a pin on the wall of the plan before and after; of a pin with a plan for each side those of its own side alone.
@@ -130,10 +131,10 @@ impl Measured {
         // A pin has no body of its own.
         let scene = session.scene();
         let is_on_body = pin.has_shape() && pin.scene().is_on_body_of(scene);
-        let (outcome, solution) = pin.outcome().zip(pin.solution()).filter(|_| is_on_body)?;
+        let solution = pin.solution().filter(|_| is_on_body && pin.outcome().is_some())?;
         let place = self.place(session, scene)?;
         let other = scene.torso.map(|_| (mirrored(place.frame), solution));
-        self.rows(&place, (scene, outcome), solution, other)
+        self.rows(&place, scene, solution, other)
     }
 
     /// Where a scene of a session lies on her body, or on the torso that a tape has shaped; `None` without either.
@@ -169,7 +170,7 @@ impl Measured {
         let Some(other) = session.other_side() else {
             return session.scene().torso.map(|_| (mirrored(place.frame), session.solution()));
         };
-        let (_, solution) = of_other(other)?;
+        let solution = of_other(other)?;
         Some((self.place(session, other.scene())?.frame, solution))
     }
 
@@ -203,7 +204,7 @@ impl Measured {
     fn rows(
         &self,
         place: &Place,
-        (scene, outcome): (&Scene, &Outcome),
+        scene: &Scene,
         own: &Arc<Solution>,
         other: Option<(Frame, &Arc<Solution>)>,
     ) -> Option<Rc<[Row]>> {
@@ -223,7 +224,7 @@ impl Measured {
                 let sides: Vec<_> = all().map(|(frame, solution)| (frame, &**solution)).collect();
                 let (after, marks) = before.after(&sides[..1]);
                 let alone = (&after, &marks);
-                let volume_ml = outcome.implant_volume_ml;
+                let volume_ml = own.1.problem().obstacle.dome.volume_over_wall() / 1000.0;
                 let rows: Rc<[Row]> = match sides.len() {
                     1 => before.rows(alone, volume_ml).into(),
                     _ => {

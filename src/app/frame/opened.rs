@@ -16,8 +16,8 @@ const MEMBERS: [&str; 8] = [
     "insertion",
     "solver",
 ];
-const NO_PLAN: &str = "The file holds no plan. Allowed: a plan (JSON), a report (HTML) or numbers (JSON) that were saved here, or a \
-                       table of sizes (CSV).";
+const NO_PLAN: &str = "The file holds no plan. Allowed: a plan (JSON), a report (HTML) or numbers (JSON) that were saved here, a scan \
+                       (PLY, STL, OBJ, GLB) or a table of sizes (CSV).";
 
 /// The plan of a file as JSON text.
 ///

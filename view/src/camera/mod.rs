@@ -69,19 +69,31 @@ pub enum Standing {
     ThreeQuarter,
     /// From the patient's side.
     Side,
+    /// [`Self::ThreeQuarter`], turned to the other side.
+    OtherThreeQuarter,
+    /// From the other side.
+    OtherSide,
 }
 
 impl Standing {
+    /// The poses of one side.
+    pub const OF_SIDE: [Self; 3] = [Self::Front, Self::ThreeQuarter, Self::Side];
     /// All poses.
-    pub const ALL: [Self; 3] = [Self::Front, Self::ThreeQuarter, Self::Side];
+    pub const ALL: [Self; 5] = {
+        let [front, three_quarter, side] = Self::OF_SIDE;
+        [front, three_quarter, side, Self::OtherThreeQuarter, Self::OtherSide]
+    };
 
     /// Angle about the patient's upright axis from the side to the front \[radians\], clockwise seen from above.
     fn azimuth(self) -> f32 {
-        match self {
-            Self::Front => -std::f32::consts::FRAC_PI_2,
-            Self::ThreeQuarter => 40.0_f32.to_radians() - std::f32::consts::FRAC_PI_2,
-            Self::Side => 0.0,
-        }
+        let turned = match self {
+            Self::Front => 0.0,
+            Self::ThreeQuarter => 40.0_f32.to_radians(),
+            Self::Side => std::f32::consts::FRAC_PI_2,
+            Self::OtherThreeQuarter => -(40.0_f32.to_radians()),
+            Self::OtherSide => -std::f32::consts::FRAC_PI_2,
+        };
+        turned - std::f32::consts::FRAC_PI_2
     }
 }
 

@@ -156,6 +156,16 @@ fn a_standing_patient_has_the_head_up_and_the_whole_body_in_sight() {
     assert!(front.x < -0.5 && front.y.abs() < 1e-5, "{front}");
     let turned = |point| seen(Standing::ThreeQuarter, point);
     assert!(turned(Vec3::X * radius).x > 0.2 && turned(Vec3::Z * radius).x < 0.0);
+    // Each pose from the other side is the mirror image.
+    let of_other = [
+        (Standing::ThreeQuarter, Standing::OtherThreeQuarter),
+        (Standing::Side, Standing::OtherSide),
+    ];
+    let point = radius * Vec3::new(0.4, 0.3, 0.5);
+    for (own, other) in of_other {
+        let (here, there) = (seen(own, point), seen(other, point * Vec3::new(-1.0, 1.0, 1.0)));
+        assert!((here * Vec2::new(-1.0, 1.0) - there).length() < 1e-5, "{other:?}");
+    }
 }
 
 #[test]

@@ -25,6 +25,7 @@ use crate::app::frame::{files, status};
 use crate::app::picture::viewport::{Before, Options, Shown};
 use crate::app::plan;
 use crate::app::plan::device::Device;
+use crate::app::plan::volume_marks::VolumeMarks;
 use crate::app::range::Range;
 use crate::app::texts::{self, tr};
 use crate::app::widgets::theme::SPACE;
@@ -40,12 +41,10 @@ use page::{Page, Picture};
 
 const DISCLAIMER: &str = "Not a medical device: a physical model, no patient's anatomy, healing or blood supply. Do not base a decision on it \
      alone.";
-/// Sizes of the report's pictures \[points\] with their pixels per point: of a standard pose, a third of the page's width on paper, of plan
-/// and pins side by side, of the cross-section, which its drawing fills, of cross-section and range of half the page's width. The texts of a
-/// broader picture would be too small to read.
-const POSE: (Vec2, f32) = (vec2(270.0, 260.0), 3.5);
-/// Height of a pose before and after, one over the other \[points\].
-const BOTH: f32 = 470.0;
+/// Pixels per point of a standard pose.
+const POSE_SCALE: f32 = 3.5;
+/// Sizes of the report's pictures \[points\] with their pixels per point: of plan and pins side by side, of the cross-section, which its
+/// drawing fills, of cross-section and range of half the page's width. The texts of a broader picture would be too small to read.
 const PINS: (Vec2, f32) = (vec2(700.0, 180.0), 2.5);
 const SECTION: (Vec2, f32) = (vec2(560.0, 330.0), 2.5);
 const HALF: (Vec2, f32) = (vec2(430.0, 245.0), 2.0);
@@ -85,17 +84,21 @@ pub(crate) fn figure(shared: &mut Shared) -> Result<ColorImage, String> {
 
 /// The pictures of the report with what belongs to them, in their order on paper: all drawn while the view is elsewhere.
 fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> {
-    let (shared_has_surface, has_stand_in) = (shared.has_surface(), shared.has_stand_in());
+    let has_stand_in = shared.has_stand_in();
     let Shared { session, compare, uncertainty, viewport, choices, practices, .. } = shared;
     let (session, compare, device) = (&*session, &*compare, choices.device);
     let practices = &*practices;
     // The same views in every report, whatever the screen shows.
     let mut options = Options::default();
-    let mut pose_size = POSE;
-    if shared_has_surface {
+    // In columns, a third of the page's width on paper, or a fifth; before and after one over the other.
+    let is_before_and_after = before_after::has_measures(session);
+    if is_before_and_after {
         options.before = Before::Beside;
-        pose_size.0.y = BOTH;
     }
+    let (poses_of_plan, size): (&[Standing], _) = match &session.scene().other_side {
+        None => (&Standing::OF_SIDE, vec2(270.0, if is_before_and_after { 470.0 } else { 260.0 })),
+        Some(_) => (&Standing::ALL, vec2(162.0, if is_before_and_after { 330.0 } else { 180.0 })),
+    };
     let standing = |standing| Shown {
         is_on_paper: true,
         standing: Some(standing),
@@ -116,14 +119,15 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
         };
         let mut poses = Vec::new();
         if no_answer::has_picture(session) {
-            let side = answer::with_side(tr("From the patient's side"), session);
-            let names = [tr("From the front"), tr("Three-quarter view"), &*side];
-            for (pose, name) in Standing::ALL.into_iter().zip(names) {
+            for &pose in poses_of_plan {
+                let name = name_of_pose(pose, session);
                 let name = match has_stand_in {
-                    true => &tr!("{name}, of a usual torso", name),
+                    true => tr!("{name}, of a usual torso", name),
                     false => name,
                 };
-                poses.push(take(name, pose_size, &mut |ui| viewport.show(ui, standing(pose)))?);
+                poses.push(take(&name, (size, POSE_SCALE), &mut |ui| {
+                    viewport.show(ui, standing(pose));
+                })?);
             }
         }
         let mut pins = None;
@@ -160,6 +164,7 @@ fn pictures(shared: &mut Shared, range: &mut Range) -> Result<Pictures, String> 
             }
         };
         let [title, caption] = [&range.title, &range.caption].map(|text| device.words(text));
+        let title = answer::with_side(&title, session);
         let chart = take(&title, HALF, &mut |ui| {
             egui::Frame::new().inner_margin(SPACE).show(ui, |ui| range.show(ui));
         })?;
@@ -195,8 +200,7 @@ pub(crate) fn report(
         visit: plan::visit_in_words(session.scene()),
         running: running_head(session.scene()),
         origin: origin(),
-        headline: answer::headline(session, practices, PreviousResults::Shown)
-            + &volume_marks.largest_in_words(practices),
+        headline: headline(session, practices, volume_marks),
         plan: plan::rows_of_sides(session.scene(), device),
         technical: [
             status::model(session.scene(), true),
@@ -238,12 +242,47 @@ struct Pictures {
     accuracy: String,
 }
 
-/// The head of every page on paper: the visit, else the program, and the plan.
+/// The answer in one sentence and the largest volume that stays usual, behind its side where each side has a plan of its own.
+fn headline(session: &Session, practices: &Practices, volume_marks: &VolumeMarks) -> String {
+    let words = answer::headline(session, practices, PreviousResults::Shown);
+    let largest = volume_marks.largest_in_words(practices);
+    match session.other_side() {
+        Some(_) if !largest.is_empty() => {
+            format!("{words} {}:{largest}", plan::side_in_a_word(session.scene()))
+        }
+        _ => words + &largest,
+    }
+}
+
+/// The name of a standard pose, with its side where each side has a plan of its own.
+fn name_of_pose(pose: Standing, session: &Session) -> String {
+    let name = match pose {
+        Standing::Front => return tr("From the front").to_owned(),
+        Standing::ThreeQuarter | Standing::OtherThreeQuarter => tr("Three-quarter view"),
+        Standing::Side | Standing::OtherSide => tr("From the patient's side"),
+    };
+    match (pose, &session.scene().other_side) {
+        (Standing::OtherThreeQuarter | Standing::OtherSide, Some(other)) => {
+            format!("{name} · {}", plan::side_in_a_word(other))
+        }
+        _ => answer::with_side(name, session),
+    }
+}
+
+/// The head of every page on paper: the visit, else the program, and the plan of each side.
 fn running_head(scene: &Scene) -> String {
     let [visit, _] = plan::visit_in_words(scene);
     let visit = if visit.is_empty() { tr("Implant preview").to_owned() } else { visit };
-    let [volume, width] = volume_and_width(scene).map(texts::localized);
-    format!("{visit} · {volume} ml, {width} cm")
+    let size = |scene: &Scene| {
+        let [volume, width] = volume_and_width(scene).map(texts::localized);
+        format!("{volume} ml, {width} cm")
+    };
+    let of_side = |scene: &Scene| format!("{} {}", plan::side_in_a_word(scene), size(scene));
+    let plans = match &scene.other_side {
+        None => size(scene),
+        Some(other) => format!("{} · {}", of_side(scene), of_side(other)),
+    };
+    format!("{visit} · {plans}")
 }
 
 /// The answers of the plan, and of the other side where it has a plan of its own.

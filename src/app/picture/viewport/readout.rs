@@ -2,7 +2,7 @@
 
 use crate::app::plan::device::Device;
 use crate::app::texts::{self, fixed, tr};
-use crate::measure::{Field, Fields, MMHG_PER_KPA};
+use crate::measure::{Field, Fields, MMHG_PER_KPA, thickness_at_rest};
 use crate::scene::Scene;
 use crate::view::body::Body;
 use crate::view::pick::{Hit, Target};
@@ -86,12 +86,18 @@ pub(super) fn values(
     if folded > LEAST_FOLDED {
         lines.push(tr!("Skin in folds: {folded:.1} %", folded = 100.0 * folded));
     }
-    let materials = &fields.solution().problem().materials;
+    let problem = fields.solution().problem();
+    let at_rest = |layer: usize| -> f64 {
+        let at = |&(node, weight): &(usize, f32)| {
+            f64::from(weight) * thickness_at_rest(problem, layer, node)
+        };
+        nodes.iter().map(at).sum()
+    };
     let layers = fields.solution().stack().thickness_mm.iter().enumerate();
     for (k, thickness) in layers.filter(|_| has_layers) {
         let now = |&(node, weight): &(usize, f32)| thickness.get(node).map(|mm| mm * weight);
         let now = nodes.iter().map(now).sum::<Option<f32>>().unwrap_or(0.0);
-        let rest = materials.get(k).map_or(0.0, |material| material.thickness_mm);
+        let rest = at_rest(k);
         let stress = value(Field::Stress(k));
         let (name, word) =
             (name(scene, k), if stress < 0.0 { tr("compression") } else { tr("pull") });
@@ -108,7 +114,7 @@ pub(super) fn values(
     let pressure = value(Field::ContactPressure);
     // Beside the implant the distance from the implant to the skin is no cover.
     if scene.is_layered() && pressure > 0.0 {
-        let rest: f64 = materials.iter().map(|material| material.thickness_mm).sum();
+        let rest: f64 = (0..problem.materials.len()).map(at_rest).sum();
         lines.push(tr!(
             "Cover {cover:.1} mm (at rest {rest:.1})",
             cover = value(Field::Cover),

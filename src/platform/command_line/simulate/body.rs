@@ -96,7 +96,8 @@ impl<'a> Body<'a> {
     }
 
     /// The file of the surface over the implant, and the line of its measures before and after.
-    pub(super) fn after(&self, solution: &Solution, implant_ml: f64) -> (File, String) {
+    pub(super) fn after(&self, solution: &Solution) -> (File, String) {
+        let implant_ml = solution.problem().obstacle.dome.volume_over_wall() / 1000.0;
         let deformed = deform(&self.surface, &self.frame, solution);
         let marks = deform_marks(&self.marks, &[(self.frame, solution)]);
         let settings = Settings { cover_mm: self.cover_mm, ..Settings::default() };

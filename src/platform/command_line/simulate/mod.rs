@@ -315,7 +315,7 @@ fn solve(
     }
     match body {
         Some(body) if has_shape => {
-            let (file, measures) = body.after(&solution, outcome.implant_volume_ml);
+            let (file, measures) = body.after(&solution);
             files.push(file);
             output::line(&measures);
         }
