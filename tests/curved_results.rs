@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where something is missing")]
 
-use implant_preview::measure::{Outcome, SolverMethod, Status};
-use implant_preview::scene::{CheckedScene, ChestShape, Scene};
+use glam::DVec2;
+use implant_preview::measure::{
+    Field, Fields, Outcome, SolverMethod, Status, least_thickness_at_rest, thickness_at_rest,
+};
+use implant_preview::scene::{CheckedScene, ChestShape, Scene, Torso};
 use implant_preview::simulate;
 use implant_preview::solve::Options;
 use std::f64::consts::PI;
@@ -80,6 +83,57 @@ fn tissue_at_rest_has_the_areas_of_caps_and_its_thickness_along_the_normals() {
             }
         }
         assert!(found.cover_mm.is_none() && found.contact_force_n.unwrap().abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_thickness_at_rest_is_that_of_each_layer_and_the_deformed_one_without_an_implant() {
+    let sphere = ChestShape { radius_across_mm: 150.0, radius_along_mm: Some(150.0) };
+    for torso in [None, Some(Torso::default())] {
+        let mut scene = scene(Some(sphere).filter(|_| torso.is_none()));
+        scene.torso = torso;
+        scene.insertion = 0.0;
+        // A second solid, and several cells through both.
+        let mut deep = scene.layers[1].clone();
+        deep.thickness_mm = 4.0;
+        scene.layers.push(deep);
+        let checked = CheckedScene::new(scene.clone()).unwrap();
+        let run = simulate::run(&checked, Options::default(), None);
+        let fields = Fields::new(run.solution);
+        let problem = fields.solution().problem();
+        // Some of the triangles at the rim are cut.
+        let inside = 0.9 * scene.body.patch_radius_mm;
+        let places = problem.sheet().rest().iter().enumerate();
+        let free: Vec<usize> =
+            places.filter(|(_, place)| place.length() < inside).map(|(k, _)| k).collect();
+        assert!(free.len() > 500);
+        for (layer, material) in scene.layers.iter().enumerate() {
+            let at_rest = |k: &usize| thickness_at_rest(problem, layer, *k);
+            let greatest = free.iter().map(at_rest).fold(0.0, f64::max);
+            let is_raised = torso.is_some() && layer > 0;
+            let expected = material.thickness_mm;
+            assert!(
+                if is_raised {
+                    greatest > 1.2 * expected
+                } else {
+                    (greatest / expected - 1.0).abs() < 3e-3
+                },
+                "{layer}: {greatest} {expected}"
+            );
+            for k in &free {
+                let stretch = fields.at(Field::ThicknessStretch(layer), *k).unwrap();
+                assert!((stretch - 1.0).abs() < 1e-5, "layer {layer}, node {k}: {stretch}");
+            }
+        }
+        let (center, radius) = ([10.0, -20.0], 60.0);
+        let least = least_thickness_at_rest(problem, center, radius);
+        let place = |k: &usize| problem.sheet().rest()[*k] - DVec2::from(center);
+        let all = |k: &usize| -> f64 {
+            (0..scene.layers.len()).map(|layer| thickness_at_rest(problem, layer, *k)).sum()
+        };
+        let near = free.iter().filter(|k| place(k).length() <= radius);
+        let expected = near.map(all).fold(f64::INFINITY, f64::min);
+        assert!((least - expected).abs() < 1e-9, "{least} {expected}");
     }
 }
 

@@ -150,8 +150,8 @@ impl Fields {
                 None => Some(elastic().principal(node)[0]),
             },
             Field::ThicknessStretch(layer) => {
-                let rest = self.solution.problem().materials.get(layer)?.thickness_mm;
                 let thickness = self.solution.stack().thickness_mm.get(layer)?[node];
+                let rest = layered::thickness_at_rest(self.solution.problem(), layer, node);
                 Some(f64::from(thickness) / rest)
             }
             Field::Cover => Some(layered::cover_at(&self.solution, node)),

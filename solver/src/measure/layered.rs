@@ -2,10 +2,10 @@
 
 use super::profile::{self, Direction, Layer};
 use super::{Outcome, Selection};
-use crate::mesh::{NodeKind, Pocket, Sheet, enclosed};
+use crate::mesh::{NodeKind, Pocket, Rest, Sheet, enclosed};
 use crate::model::layered::exact::CellState;
 use crate::solve::{Problem, Solution};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -254,15 +254,63 @@ pub(super) fn cover_at(solution: &Solution, node: usize) -> f64 {
     solution.problem().obstacle.dome.closest_point(outer).0
 }
 
-/// Thickness of a layer at rest at a node \[mm\], the skin first.
+/// Thickness of a layer at rest at a node \[mm\], the skin first: as the deformed thickness along the skin's normal.
 #[must_use]
 pub fn thickness_at_rest(problem: &Problem, layer: usize, node: usize) -> f64 {
     let rest = &problem.rest;
     if layer == 0 || rest.is_even() {
         return problem.materials[layer].thickness_mm;
     }
-    let outer = rest.layers() - layer;
-    rest.node(outer, node).distance(rest.node(outer - 1, node))
+    // Solids count from the inner face outwards.
+    let solid = problem.solids().len() - layer;
+    let face = |solids: usize| rest.cells().iter().take_while(|cells| cells.solid < solids).count();
+    along_normal(rest, node, [face(solid), face(solid + 1)])
+}
+
+/// Least thickness of all layers at rest at the nodes in a circle of the sheet \[mm\].
+#[must_use]
+pub fn least_thickness_at_rest(problem: &Problem, center_mm: [f64; 2], radius_mm: f64) -> f64 {
+    let Problem { rest, materials, .. } = problem;
+    if rest.is_even() {
+        return materials.iter().map(|material| material.thickness_mm).sum();
+    }
+    let faces = [0, rest.layers() - 1];
+    let places = rest.sheet().rest().iter().enumerate();
+    let center = DVec2::from(center_mm);
+    let near = places.filter(|(_, place)| place.distance(center) <= radius_mm);
+    let least = near.fold(f64::INFINITY, |least, (node, _)| {
+        let [inner, outer] = faces.map(|face| rest.node(face, node));
+        // No column leans so far that its thickness is less than half its length.
+        if inner.distance(outer) > 2.0 * least {
+            return least;
+        }
+        least.min(along_normal(rest, node, faces))
+    });
+    materials[0].thickness_mm + least
+}
+
+/// Distance of two layers of nodes at rest along the skin's normal \[mm\]; at the rim the length of the column.
+#[inline(never)]
+fn along_normal(rest: &Rest, node: usize, layers: [usize; 2]) -> f64 {
+    let column = rest.node(layers[1], node) - rest.node(layers[0], node);
+    let (skin, row) = (rest.layers() - 1, rest.sheet().nodes_per_side());
+    let kinds = rest.sheet().kinds();
+    if kinds[node] != NodeKind::Free {
+        return column.length();
+    }
+    let (above, below) = (node + row, node - row);
+    let ring = [node + 1, above + 1, above, above - 1, node - 1, below - 1, below, below + 1];
+    if ring.iter().any(|&k| kinds[k] == NodeKind::Outside) {
+        return column.length();
+    }
+    let edges = ring.map(|k| rest.node(skin, k) - rest.node(skin, node));
+    // The triangles of both diagonals, as those of [`crate::model::membrane::Deformation::normal`].
+    let mut normal = DVec3::ZERO;
+    for side in [0, 2, 4, 6] {
+        let [first, corner, last] = [0, 1, 2].map(|k| edges[(side + k) % 8]);
+        normal += corner.cross(last - first) + first.cross(last);
+    }
+    column.dot(normal.normalize())
 }
 
 /// Pull of the attachment at a node \[kPa\].

@@ -29,7 +29,7 @@ pub use fields::{Field, Fields};
 pub use in_body::{ImplantInBody, Yielded};
 pub use layered::{
     Cover, CoverWithoutMuscle, SkinArea, Thickness, Traction, cover_without_innermost,
-    thickness_at_rest,
+    least_thickness_at_rest, thickness_at_rest,
 };
 pub use outcome::{
     AddedStrains, LayerOutcome, Outcome, PatientValue, Pressure, ProfilePoint, SolverMethod,

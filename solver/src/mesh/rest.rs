@@ -111,7 +111,7 @@ impl Rest {
         Self { taper, ..self }.placed(|_, _| None)
     }
 
-    /// Do the layers have thicknesses of their own from place to place?
+    /// Has the innermost solid a thickness of its own from place to place?
     pub(crate) fn is_tapered(&self) -> bool {
         self.taper.is_some()
     }

@@ -4,7 +4,7 @@ use super::practice::{Against, Practices};
 use crate::app::texts::{self, tr, word_of};
 use crate::clinical::STEP_ML;
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
-use crate::measure::{CoverWithoutMuscle, Outcome, STRAIN_BANDS, thickness_at_rest};
+use crate::measure::{CoverWithoutMuscle, Outcome, STRAIN_BANDS, least_thickness_at_rest};
 use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::Parameter;
@@ -58,20 +58,6 @@ pub(super) fn pressure_verdict(mmhg: f64) -> Verdict {
     (band, word_of(&bands::PRESSURE, word))
 }
 
-/// The least thickness of the tissue at rest over the implant's base \[mm\].
-fn rest_mm(scene: &Scene, problem: &Problem) -> f64 {
-    if problem.rest.is_even() {
-        return scene.tissue_mm();
-    }
-    let base = scene.implant.base_radius_mm;
-    let places = problem.sheet().rest().iter().enumerate();
-    let over_base = places.filter(|(_, place)| place.length() <= base);
-    let thickness = |(node, _)| -> f64 {
-        (0..problem.materials.len()).map(|layer| thickness_at_rest(problem, layer, node)).sum()
-    };
-    over_base.map(thickness).fold(f64::INFINITY, f64::min)
-}
-
 impl Answer {
     /// The figures of a result of a plan; without a result the limits are those of a problem.
     pub(super) fn new(
@@ -84,6 +70,7 @@ impl Answer {
         let share = strain.and_then(|s| s.fraction_above.get(SHARE_ABOVE.1)).copied();
         let cover = outcome.and_then(|outcome| outcome.cover_mm);
         let reserve = outcome.and_then(|outcome| outcome.skin_reserve_used);
+        let implant = &scene.implant;
         Self {
             strain: strain.map(|strain| strain.max_principal.max(0.0)),
             reserve,
@@ -103,7 +90,7 @@ impl Answer {
             apex: cover.map(|cover| cover.apex),
             without_muscle: cover.and_then(|cover| cover.without_muscle),
             is_layered: scene.is_layered(),
-            rest: rest_mm(scene, problem),
+            rest: least_thickness_at_rest(problem, implant.center_mm, implant.base_radius_mm),
             pressure: outcome.and_then(|o| o.contact_pressure_mmhg).map(|p| (p.mean, p.max)),
         }
     }

@@ -2,9 +2,9 @@
 
 use super::device::Device;
 use super::{Hand, chip, chips, cm, mm, named, plain, row};
-use crate::app::texts::{shown, tr};
+use crate::app::texts::tr;
 use crate::app::widgets::quantity::format_at_most;
-use crate::app::widgets::{self, Control, remark, set_accessible_name};
+use crate::app::widgets::{self, Control, set_accessible_name};
 use crate::scene::field::{CHEST, TORSO};
 use crate::scene::{ChestShape, Field, Scene};
 use eframe::egui::{self, Ui};
@@ -178,7 +178,7 @@ pub(super) fn radii(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     });
 }
 
-/// Shows the numbers of the torso, and those that the nearest torso has instead.
+/// Shows the numbers of the torso.
 pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if scene.torso.is_none() {
         return;
@@ -190,9 +190,6 @@ pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
         if row(ui, hand, control, &mut value, (0.0, |_: &mut Ui| {})).is_changed {
             plain::set(scene, number, value);
         }
-    }
-    for warning in scene.torso_warnings() {
-        remark(ui, shown(&warning));
     }
 }
 

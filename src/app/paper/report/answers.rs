@@ -13,7 +13,7 @@ const NUMBERS: f64 = 10.0;
 const TOP: f64 = 8.0;
 const THICK: f64 = 8.0;
 
-pub(super) const STYLE: &str = ".answers{display:flex;flex-wrap:wrap;gap:6px 24px}.answers>div{flex:1 1 190px;min-width:0;break-inside:avoid}.sides .answers{display:block}.sides .answers>div{margin-bottom:6px}\
+pub(super) const STYLE: &str = ".answers{display:flex;flex-wrap:wrap;gap:6px 24px}.answers>div{flex:1 1 190px;min-width:0;break-inside:avoid}.sides .answers{display:block}.sides .answers>div{margin-bottom:6px}.sides h3,.sides .verdict{display:inline;padding-right:6px}\
     .answers h3{font-size:inherit;margin:0}.answers p{margin:1px 0}.answers svg{display:block;width:98%;max-width:300px}\
     .verdict{font-size:1.6em;font-weight:700;line-height:1.2}.verdict.none{font-size:1.1em;font-weight:400;color:#666}.band1{color:#8f5600}.band2,.band3{color:#a8201a}\
     @media screen and (prefers-color-scheme:dark){.verdict.none{color:#aaa}.band1{color:#e6a645}.band2,.band3{color:#ff8a80}}";

@@ -79,7 +79,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#222;max-wid
     th,td,.plan p{border-color:#3a3d42}.quiet,figcaption,.plan b{color:#aaa}.blank span{border-color:#ccc}}\
     @media print{body{font-size:11px;line-height:1.35;margin:0;max-width:none;padding:0 1px}h1{font-size:18px}\
     h2{font-size:14px;margin:7px 0 1px}p{margin:3px 0}.quiet,figcaption{font-size:9.5px}th,td{padding:1px 12px 1px 0}\
-    .second{break-inside:avoid}.second img{max-height:72mm}.poses{margin:5px 0}.plan p{padding:1px 0}.wide{overflow:visible}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
+    .second{break-inside:avoid}.sides~.second{break-inside:auto}.plan{columns:3 200px}.second img{max-height:72mm}.poses{margin:5px 0}.plan p{padding:1px 0}.wide{overflow:visible}h2{break-after:avoid}details,.screen{display:none}.pair{gap:0 16px}.pair>div{flex-basis:270px}}";
 
 impl Page {
     /// The file, one template without scripts and outside addresses.
