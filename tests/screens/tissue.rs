@@ -1,6 +1,7 @@
 //! The tissue of the plan: layers, its model, its law, the springs of the paper.
 
 use super::*;
+use implant_preview::clinical::SkinClass;
 use implant_preview::scene::Plane;
 
 #[test]
@@ -254,4 +255,20 @@ fn below_the_muscle_the_card_of_the_cover_has_it_with_and_without_the_muscle() {
     assert_eq!(harness.state().session().scene().layers.len(), 2);
     assert!((least(&harness) - above).abs() < 1e-9);
     assert!(text_with(&harness, without).is_none());
+}
+
+#[test]
+fn a_class_of_skin_and_a_tension_meet_at_what_the_skin_bears_in_either_order() {
+    for order in [["Under tension", "very lax"], ["very lax", "Under tension"]] {
+        let mut harness = app(WIDE, |scene| *scene = flat_plan());
+        unfold(&mut harness, "Tissue");
+        for button in order {
+            press(&mut harness, button);
+        }
+        let scene = harness.state().session().scene();
+        let tension = scene.body.skin_state.natural_tension_n_per_m;
+        assert!((5.0..20.0).contains(&tension), "{order:?}: {tension}");
+        assert_eq!(scene.measured().skin_class, Some(SkinClass::VeryLax));
+        assert!(text_with(&harness, "than before the operation").is_some());
+    }
 }

@@ -297,7 +297,7 @@ impl Scene {
     /// Sets the natural tension of the skin \[N/m\]; a strain scale that was derived from a pull or a class is derived again under it.
     ///
     /// # Errors
-    /// A pull or a class that gives no strain scale under the tension; the scene is unchanged.
+    /// A pull or a class that gives no strain scale under the tension, or one that the tension stretches too far; the scene is unchanged.
     pub fn set_natural_tension(&mut self, tension_n_per_m: f64) -> Result<(), SceneError> {
         let mut changed = self.clone();
         changed.body.skin_state.natural_tension_n_per_m = tension_n_per_m;
@@ -313,6 +313,7 @@ impl Scene {
                 }
             }
         }
+        changed.check_tension()?;
         *self = changed;
         Ok(())
     }

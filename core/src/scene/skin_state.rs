@@ -94,7 +94,7 @@ impl SkinState {
             return Ok(NaturalStretch::new(stretches, self.direction_deg.to_radians()));
         }
         let allowed = format!(
-            "0 to {} N/m, which stretches this skin by {} %",
+            "0 to {} N/m, which stretches skin of this strain scale by {} % (a measured pull or class gives other scales for lower tensions)",
             number((10.0 * self.greatest(skin)).floor() / 10.0),
             100.0 * MOST_STRAIN
         );
@@ -141,6 +141,16 @@ impl SkinState {
 }
 
 impl Scene {
+    /// Does the skin bear its natural tension?
+    ///
+    /// # Errors
+    /// A tension that stretches the skin by more than half.
+    pub fn check_tension(&self) -> Result<(), SceneError> {
+        let skin = self.layers.first().map(Layer::material);
+        skin.and_then(Result::ok)
+            .map_or(Ok(()), |skin| self.body.skin_state.stretch(&skin).map(|_| ()))
+    }
+
     /// Lowers a natural tension that the skin does not bear to the greatest one that it does.
     pub(crate) fn lower_tension(&mut self) {
         let state = &mut self.body.skin_state;

@@ -1,4 +1,4 @@
-//! The stretch that practice's volumes give in the tissue of a plan: three round implants of the breast's base width, of practice's
+//! The stretch that practice's volumes give in the tissue of a plan: three round implants of the plan's fill, of the breast's base width, of practice's
 //! volume less a step of the rule, of practice's, and of a step more.
 
 use super::one_by_one::OneByOne;
@@ -100,6 +100,7 @@ fn practice_scenes(plan: &Scene, volume: &PracticeVolume) -> Option<[Scene; 3]> 
         scene.implant = Implant {
             base_radius_mm: 0.5 * width_mm,
             projection_mm: size.projection_mm(),
+            fill: plan.implant.fill,
             ..Implant::default()
         };
         scene.set_pocket_radius(scene.implant.least_pocket_mm() + MARGIN_MM);
@@ -121,13 +122,13 @@ pub fn breast_width_mm(plan: &Scene) -> f64 {
     plan.measured().base_width_mm.unwrap_or(2.0 * plan.implant.base_radius_mm)
 }
 
-/// Have two plans the same practice: the same tissue, chest, measurements that correct its volume, base width and settings of the solver?
+/// Have two plans the same practice: the same tissue, chest, fill, measurements that correct its volume, base width and settings of the solver?
 #[must_use]
 pub fn has_same_practice(a: &Scene, b: &Scene) -> bool {
     let subject = |scene: &Scene| {
         let measured = Corrected::ALL.map(|of| of.value(&scene.measured()));
         let mut subject = Scene {
-            implant: Implant::default(),
+            implant: Implant { fill: scene.implant.fill, ..Implant::default() },
             implant_reference: String::new(),
             pocket_radius_mm: 0.0,
             insertion: 1.0,
@@ -179,7 +180,7 @@ fn strain(case: &Case) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::clinical::{Measurements, SkinClass};
-    use crate::scene::{Side, TissueModel, Visit};
+    use crate::scene::{Fill, Side, TissueModel, Visit};
     use crate::study::{MapSettings, Parameter, evaluate, with_values};
 
     fn coarse(plan: &Scene) -> Scene {
@@ -234,8 +235,21 @@ mod tests {
         other.patient.get_or_insert_default().measured.base_width_mm =
             Some(2.0 * plan.implant.base_radius_mm);
         assert!(has_same_practice(&plan, &other));
+        let filled =
+            Scene { implant: Implant { fill: Some(Fill::Saline), ..plan.implant }, ..plan.clone() };
+        assert!(!has_same_practice(&plan, &filled));
         other.layers[1].thickness_mm += 1.0;
         assert!(!has_same_practice(&plan, &other));
+    }
+
+    #[test]
+    fn practice_has_the_fill_of_the_plan() {
+        let mut plan = coarse(&Scene::opening());
+        plan.implant.fill = Some(Fill::Soft);
+        let mut store = Cases::default();
+        let found = solve(&plan, &mut store).0.stretch().unwrap();
+        let outcome = crate::simulate::simulate(&with_volume(&plan, 300.0)).unwrap();
+        assert!((found.same - Quantity::GreatestStrain.of(&outcome).unwrap()).abs() < 1e-9);
     }
 
     #[test]

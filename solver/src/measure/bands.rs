@@ -66,7 +66,7 @@ pub static STRAIN: Limits = Limits {
 };
 
 /// What every strain of the skin leaves out.
-const STANDING: &str = "The stretch counts from the skin at rest. Standing alone stretches the skin of the breast by up to 60 % in \
+const STANDING: &str = "The stretch counts from skin without tension. Standing alone stretches the skin of the breast by up to 60 % in \
     places (39 women; Norris and others, BMJ Open Sport Exerc Med 6, 2020).";
 
 /// Greatest principal strain of the skin / strain at which this skin's curve turns steep \[-\]
@@ -114,7 +114,7 @@ pub static PRESSURE: Limits = Limits {
         },
         Band { limit: None, word: "very high", level: 2, source: "" },
     ]),
-    note: "The pressure directly after filling; relaxation is not modelled.",
+    note: "The pressure directly after filling; in the days after it falls.",
 };
 
 /// Least cover below which a plan has the practice's word \[mm\].
@@ -215,7 +215,7 @@ const OF_PRACTICE: &str = "greatest principal strain against practice";
 
 /// What the words against practice mean.
 const PRACTICE_SOURCE: &str = "As practice: the stretch lies between those of practice's volume less and plus a step of the rule, 30 \
-    ml, computed for a round implant in the same tissue. Above 50 % very high, whatever practice takes.";
+    ml, computed for a round implant of the same filling in the same tissue. Above 50 % very high, whatever practice takes.";
 
 /// Level and word of the stretch of a skin: against `practice` where that is known, else those of [`stretch`].
 #[must_use]

@@ -201,10 +201,14 @@ fn stretch_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) -
         }
         _ => tr("longer, at most").to_owned(),
     };
-    let line = match of_practice {
-        Some(_) if answer.is_above_by_shape() => tr(ABOVE_BY_SHAPE).to_owned(),
-        Some(_) => tr("Longer than at rest, where the skin is stretched most.").to_owned(),
-        None => line,
+    let line = match (of_practice, answer.added) {
+        (Some(_), _) if answer.is_above_by_shape() => tr(ABOVE_BY_SHAPE).to_owned(),
+        (_, Some(added)) => tr!(
+            "Longer than skin without tension; than before the operation {added:.0} %.",
+            added = 100.0 * added
+        ),
+        (Some(_), None) => tr("Longer than at rest, where the skin is stretched most.").to_owned(),
+        (None, None) => line,
     };
     let mark = of_practice
         .map(|(strain, _)| (strain, tr!("practice {percent:.0} %", percent = 100.0 * strain)));
@@ -291,7 +295,12 @@ fn pressure_card(answer: &Answer, sampled: &Sampled<'_>, word: Option<Verdict>) 
         title: title(answer, "Pressure on the tissue", "Pressure, at once"),
         short: (title(answer, "Pressure", "Pressure, at once"), figure.clone()),
         figure,
-        beside: tr!("{brackets}at most", brackets = &brackets),
+        beside: match answer.suction.round() {
+            0.0 => tr!("{brackets}at most", brackets = &brackets),
+            suction => {
+                tr!("{brackets}at most, {suction} of it suction", brackets = &brackets, suction)
+            }
+        },
         brackets,
         verdict: word,
         no_verdict: "",

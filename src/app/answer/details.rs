@@ -82,6 +82,9 @@ fn cover(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
         rows(ui, |ui| {
             of(ui, outcome, bands, Quantity::ApexCoverMm, 1);
             of(ui, outcome, bands, Quantity::LeastCoverMm, 1);
+            if let Some(thin) = outcome.cover_mm.and_then(|cover| cover.without_muscle) {
+                row(ui, error, tr("Least cover without the muscle"), Some(thin.least), 1, "mm");
+            }
             for layer in &outcome.layers {
                 let name = tr!("Thinnest {tissue}", tissue = texts::tissue(&layer.tissue));
                 row(ui, error, name, layer.thickness_mm.map(|t| t.least), 1, "mm");
@@ -147,6 +150,10 @@ fn tissue(ui: &mut Ui, outcome: &Outcome, bands: Bands<'_>) {
             row(ui, error, tr("Stretch at the apex"), outcome.apex_stretch, 3, "×");
             if let Some(strain) = &outcome.strain {
                 of(ui, outcome, bands, Quantity::GreatestStrain, 1);
+                if let Some(added) = strain.added {
+                    let percent = Some(100.0 * added.max_principal);
+                    row(ui, error, tr("Against before the operation"), percent, 1, "%");
+                }
                 if outcome.skin_reserve_used.is_some() {
                     of(ui, outcome, bands, Quantity::SkinReserveUsed, 0);
                 }

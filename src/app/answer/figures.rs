@@ -4,7 +4,9 @@ use super::practice::{Against, Practices};
 use crate::app::texts::{self, tr, word_of};
 use crate::clinical::STEP_ML;
 use crate::measure::bands::{self, PracticeStretch, SkinLimits};
-use crate::measure::{CoverWithoutMuscle, Outcome, STRAIN_BANDS, least_thickness_at_rest};
+use crate::measure::{
+    CoverWithoutMuscle, MMHG_PER_KPA, Outcome, STRAIN_BANDS, least_thickness_at_rest,
+};
 use crate::scene::Scene;
 use crate::solve::Problem;
 use crate::study::Parameter;
@@ -16,6 +18,8 @@ pub(super) const SHARE_ABOVE: (f64, &str) = (STRAIN_BANDS[0], "0.25");
 pub(super) struct Answer {
     /// Greatest strain of the skin \[-\].
     pub(super) strain: Option<f64>,
+    /// Greatest strain against the skin at rest, of skin under tension or grown \[-\].
+    pub(super) added: Option<f64>,
     /// The strain relative to that at which this skin turns steep \[-\].
     pub(super) reserve: Option<f64>,
     /// What the stretch is compared with.
@@ -42,6 +46,8 @@ pub(super) struct Answer {
     pub(super) is_layered: bool,
     /// Mean and greatest contact pressure \[mmHg\].
     pub(super) pressure: Option<(f64, f64)>,
+    /// The part of it by which the suction of a void presses the tissue on the implant \[mmHg\].
+    pub(super) suction: f64,
 }
 
 /// Band, counted from the lowest, and its word.
@@ -73,6 +79,7 @@ impl Answer {
         let implant = &scene.implant;
         Self {
             strain: strain.map(|strain| strain.max_principal.max(0.0)),
+            added: strain.and_then(|strain| Some(strain.added?.max_principal)),
             reserve,
             against: practices.against(scene),
             practice_ml: practices.volume(scene).map(|volume| volume.volume_ml()),
@@ -92,6 +99,7 @@ impl Answer {
             is_layered: scene.is_layered(),
             rest: least_thickness_at_rest(problem, implant.center_mm, implant.base_radius_mm),
             pressure: outcome.and_then(|o| o.contact_pressure_mmhg).map(|p| (p.mean, p.max)),
+            suction: outcome.and_then(|o| o.suction_kpa).unwrap_or(0.0) * MMHG_PER_KPA,
         }
     }
 
@@ -175,6 +183,7 @@ mod tests {
     fn the_sentence_begins_with_the_worst_word() {
         let answer = |strain, reserve, cover, pressure| Answer {
             strain: Some(strain),
+            added: None,
             reserve,
             against: Against::Skin(Some(NoPractice::Volume)),
             practice_ml: None,
@@ -188,6 +197,7 @@ mod tests {
             rest: 10.0,
             is_layered: true,
             pressure: Some((0.8 * pressure, pressure)),
+            suction: 0.0,
         };
         for (of, sentence) in [
             (

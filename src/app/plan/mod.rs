@@ -265,14 +265,14 @@ pub(super) fn chip(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip
 
 /// A chip; returns whether it was clicked.
 fn chip_button(ui: &mut Ui, hand: Hand, is_chosen: bool, text: &str, tooltip: &str) -> bool {
-    let height = match hand {
-        Hand::Mouse => 24.0,
-        Hand::Finger => theme::TOUCH - 8.0,
+    let least = match hand {
+        Hand::Mouse => egui::vec2(0.0, 24.0),
+        Hand::Finger => egui::vec2(36.0, theme::FINGER),
     };
     let chip = egui::Button::selectable(is_chosen, text)
         .frame(true)
         .frame_when_inactive(true)
-        .min_size(egui::vec2(0.0, height));
+        .min_size(least);
     let chip = ui.add(chip);
     let is_clicked = chip.clicked();
     if !tooltip.is_empty() {

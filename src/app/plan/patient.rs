@@ -1,7 +1,7 @@
 //! What was measured on the patient, base of the breast, pinch, skin and chest, and what the measurements become.
 
 use super::device::Device;
-use super::{Hand, chest, chip, chips, cm, mm, row, title, visit};
+use super::{Hand, chest, chip, chips, cm, mm, row, title, visit, when};
 use crate::app::answer::practice::Practices;
 use crate::app::texts::{self, localized, tr};
 use crate::app::widgets::quantity::format_at_most;
@@ -37,10 +37,22 @@ pub(crate) fn patient(
     visit::visit(ui, scene, hand)
 }
 
-/// Derives the values of the scene from the measurements.
+/// Derives the values of the scene from the measurements, under a lower natural tension where the skin does not bear its own.
 pub(super) fn measure(scene: &mut Scene, measured: Measurements) {
+    let present = scene.body.skin_state.natural_tension_n_per_m;
+    let under = |tension: f64| {
+        let mut changed = scene.clone();
+        if tension < present {
+            changed.set_natural_tension(tension).ok()?;
+        }
+        changed.apply_patient(measured).ok()?;
+        changed.check_tension().ok()?;
+        Some(changed)
+    };
     // The controls allow the ranges of the measurements only; otherwise the scene is unchanged.
-    let _ = scene.apply_patient(measured);
+    if let Some(changed) = when::tensions_up_to(present).find_map(under) {
+        *scene = changed;
+    }
 }
 
 /// The base of the breast, kept while the implant changes, of a plan that is compared with practice or has the measurement. A measured pull has it among its
@@ -121,7 +133,10 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
     let (range, source) = derived.map_or_else(Default::default, |derived| {
         // 95 % of the people of this pinch.
         let (least, most) = derived.whole.range(2.0);
-        let range = format!(" ({least:.0}–{most:.0})");
+        // The pinch holds no muscle.
+        let muscle = scene.layers.last().filter(|_| scene.body.plane.is_some());
+        let muscle = muscle.map_or(0.0, |layer| layer.thickness_mm);
+        let range = format!(" ({:.0}–{:.0})", least + muscle, most + muscle);
         (range, tr!("Range of 95 %. {source}", source = tr(derived.whole.source)))
     });
     let text = tr!(

@@ -26,6 +26,12 @@ const TIMES: [(When, &str, &str); 3] = [
     ),
 ];
 
+/// A natural tension and those of the choice below it, the greatest first \[N/m\].
+pub(super) fn tensions_up_to(most: f64) -> impl Iterator<Item = f64> {
+    let lower = TENSIONS.into_iter().chain([0.0]).filter(move |tension| *tension < most);
+    std::iter::once(most).chain(lower)
+}
+
 /// Shows the choices; nothing for a sheet.
 pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if !scene.is_layered() {
