@@ -79,6 +79,13 @@ fn the_opening_range_is_known_from_70_points() {
                 assert_eq!(sampled.case(i, j), all.case(i, j));
             }
             assert_eq!(is_solved, sampled.interpolated(Quantity::ForceN, i, j).is_none());
+            // No area is stretched above a strain that the greatest one does not reach.
+            let [area, strain] =
+                [Q::AreaOver25, Q::GreatestStrain].map(|q| sampled.interpolated(q, i, j));
+            if let (Some((area, error)), Some((strain, margin))) = (area, strain) {
+                assert!((0.0..=1.0).contains(&error), "{error}");
+                assert!(area == 0.0 || strain + margin >= 0.25, "{area} {strain}");
+            }
         }
     }
 }

@@ -174,8 +174,18 @@ impl Map {
     pub fn interpolated(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, f64)> {
         let (columns, rows) = self.shape();
         let is_open = i < columns && j < rows && self.case(i, j).is_none();
-        let found = self.sample.of(quantity, j * columns + i).filter(|_| is_open);
-        found.map(|[value, error, _]| (value, error))
+        let of = |quantity| self.sample.of(quantity, j * columns + i).filter(|_| is_open);
+        let [value, error, _] = of(quantity)?;
+        let limit = match quantity {
+            Quantity::AreaOver25 => 0.25,
+            Quantity::AreaOver50 => 0.5,
+            _ => return Some((value, error)),
+        };
+        // No skin is stretched above a strain that the greatest one does not reach, and no more than all of it.
+        match of(Quantity::GreatestStrain) {
+            Some([strain, error, _]) if strain + error < limit => Some((0.0, 0.0)),
+            _ => Some((value, error.min(1.0))),
+        }
     }
 
     /// Is the interpolated value of a point known well enough for a chart?
