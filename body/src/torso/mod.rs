@@ -137,8 +137,8 @@ pub fn shaped_with_arms(tape: &Tape) -> Result<(Torso, Surface, Tape), FitError>
         let down = torso.marks.sternal_notch.y - torso.marks.nipple(Side::Left).y;
         let mound = Mound::new(&torso, shape::CENTRE * scale)?;
         let volume_ml = tape.breast_volume_ml - beyond_ml;
-        let shape = mound.shaped(&Tape { breast_volume_ml: volume_ml, ..*tape }, &torso);
-        let over_given = mound.tape(&shape, &torso);
+        let shape = mound.shaped(&Tape { breast_volume_ml: volume_ml, ..*tape });
+        let over_given = mound.tape(&shape);
         mound.reshape(&shape, &mut torso.surface.positions);
         torso.marks = mound.marks(&shape, &torso.marks);
         let breast_volume_ml = Bare::fitted(&torso.surface, &torso.marks)?.volume_ml(&torso.marks);
@@ -233,7 +233,7 @@ mod tests {
         let (torso, tape) = shaped(&Tape::OWN).unwrap();
         assert_eq!(torso, own);
         let mound = Mound::new(&own, shape::CENTRE).unwrap();
-        let (found, given) = (mound.tape(&Shape::of([0.0; 4]), &own), Tape::OWN);
+        let (found, given) = (mound.tape(&Shape::of([0.0; 4])), Tape::OWN);
         for (found, given) in [
             (found.chest_width_mm, given.chest_width_mm),
             (found.breast_width_mm, given.breast_width_mm),

@@ -48,6 +48,36 @@ pub(super) struct Mound {
     /// Middle and half widths of the breast \[mm\].
     center: DVec2,
     half: DVec2,
+    /// What a tape measures does not change with the shape: the torso's numbers, places of the skin, nodes with their heights \[mm\].
+    measured: Measured,
+}
+
+/// What the measures of a shape go by.
+#[derive(Default)]
+struct Measured {
+    chest_width_mm: f64,
+    notch: DVec3,
+    nipple: Skin,
+    medial: Skin,
+    lateral: Skin,
+    /// The way from the nipple to the fold.
+    to_fold: Vec<Skin>,
+    /// The nodes of the grid, and those with a cell in the breast's ellipse.
+    nodes: Vec<Skin>,
+    within: Vec<usize>,
+}
+
+/// A point of the given mound: its place, its height over the bare chest \[mm\], and how it follows a shape.
+#[derive(Clone, Copy, Default)]
+struct Skin {
+    place: DVec2,
+    height_mm: f64,
+    /// How far it belongs to the breast, is beside the midline, and is on the way to the fold \[-\].
+    share: f64,
+    aside: f64,
+    to_fold: f64,
+    /// Way across from the nipple, beside the breast that of its ends \[mm\].
+    beside: f64,
 }
 
 /// A mound's shape: the given mound, moved across, stretched and scaled.
@@ -80,7 +110,34 @@ impl Mound {
         };
         let center = 0.5 * DVec2::new(at.medial.x + at.lateral.x, at.upper.y + at.fold.y);
         let half = 0.5 * DVec2::new(at.lateral.x - at.medial.x, at.upper.y - at.fold.y);
-        Ok(Self { fit, at, center, half })
+        let mut mound = Self { fit, at, center, half, measured: Measured::default() };
+        mound.measured = mound.measured(torso);
+        Ok(mound)
+    }
+
+    fn measured(&self, torso: &Torso) -> Measured {
+        let (grid, side) = (self.fit.grid, self.fit.grid.side());
+        let [nipple, medial, lateral] =
+            [self.at.nipple, self.at.medial, self.at.lateral].map(|place| self.skin(place));
+        let along = |k: u32| self.at.nipple.lerp(self.at.fold, f64::from(k) / f64::from(POINTS));
+        let node = |node: usize| {
+            let height_mm = (self.fit.skin_mm[node] - self.fit.bare_mm[node]).max(0.0);
+            self.skin_of(grid.place(node), height_mm)
+        };
+        let is_within = |node: &usize| {
+            let far = ((grid.place(*node) - self.center) / self.half).length();
+            !(node + 1).is_multiple_of(side) && far <= END[0]
+        };
+        Measured {
+            chest_width_mm: chest_width(torso),
+            notch: torso.marks.sternal_notch,
+            nipple,
+            medial,
+            lateral,
+            to_fold: (0..=POINTS).map(|k| self.skin(along(k))).collect(),
+            nodes: (0..grid.len()).map(node).collect(),
+            within: (0..grid.len() - side).filter(is_within).collect(),
+        }
     }
 
     /// How far a place belongs to the breast, from 1 within to 0 far away \[-\].
@@ -89,23 +146,38 @@ impl Mound {
         smooth_step((END[1] - far) / (END[1] - END[0]))
     }
 
-    /// The place of the frame, and the height over the bare chest, of a place and a height of the given mound.
-    fn moved(&self, shape: &Shape, place: DVec2, height_mm: f64) -> (DVec2, f64) {
-        let share = self.share(place);
+    /// A point of the given mound.
+    fn skin_of(&self, place: DVec2, height_mm: f64) -> Skin {
         // Beside the breast the skin moves as its ends do, at the midline it stays.
         let Places { nipple, fold, medial, lateral, .. } = self.at;
-        let beside = place.x.clamp(medial.x, lateral.x) - nipple.x;
         let across = self.fit.frame.point(place.extend(self.bare(place))).x;
+        Skin {
+            place,
+            height_mm,
+            share: self.share(place),
+            aside: smooth_step(across / MIDLINE_MM),
+            to_fold: smooth_step((nipple.y - place.y) / (nipple.y - fold.y)),
+            beside: place.x.clamp(medial.x, lateral.x) - nipple.x,
+        }
+    }
+
+    /// The point of the skin at a place.
+    fn skin(&self, place: DVec2) -> Skin {
+        let skin = self.fit.grid.value(&self.fit.skin_mm, place);
+        self.skin_of(place, skin - self.bare(place))
+    }
+
+    /// The place of the frame, and the height over the bare chest, of a point of the given mound.
+    fn moved(&self, shape: &Shape, of: &Skin) -> (DVec2, f64) {
+        let &Skin { place, height_mm, share, aside, to_fold, beside } = of;
         // What the medial end does not move, the breast between it and the nipple is narrower by.
-        let to_medial = medial.x - nipple.x;
+        let to_medial = self.at.medial.x - self.at.nipple.x;
         let inwards = (shape.aside + (shape.across - 1.0) * to_medial).max(-MEDIAL_MM);
         let stretch = match beside < 0.0 {
             true => (inwards - shape.aside) / to_medial,
             false => shape.across - 1.0,
         };
-        let aside = shape.aside + stretch * beside;
-        let to_fold = smooth_step((nipple.y - place.y) / (nipple.y - fold.y));
-        let to_side = aside * share * smooth_step(across / MIDLINE_MM);
+        let to_side = (shape.aside + stretch * beside) * share * aside;
         (
             place + DVec2::new(to_side, -shape.lowered * self.half.y * share * to_fold),
             height_mm * (1.0 + (shape.height - 1.0) * share),
@@ -117,53 +189,49 @@ impl Mound {
         self.fit.grid.value(&self.fit.bare_mm, place)
     }
 
-    /// The point of the shaped skin, of a place of the given mound, in the surface's coordinates.
-    pub(super) fn point(&self, shape: &Shape, place: DVec2) -> DVec3 {
-        let skin = self.fit.grid.value(&self.fit.skin_mm, place);
-        let (place, height) = self.moved(shape, place, skin - self.bare(place));
+    /// A point of the shaped skin in the surface's coordinates.
+    fn point(&self, shape: &Shape, of: &Skin) -> DVec3 {
+        let (place, height) = self.moved(shape, of);
         self.fit.frame.point(place.extend(self.bare(place) + height))
     }
 
     /// Volume between shaped skin and bare chest, in the breast's ellipse \[ml\].
     fn volume(&self, shape: &Shape) -> f64 {
-        let (grid, side) = (self.fit.grid, self.fit.grid.side());
-        let is_within = |place: DVec2| ((place - self.center) / self.half).length() <= END[0];
-        let corner = |node: usize| {
-            let height = (self.fit.skin_mm[node] - self.fit.bare_mm[node]).max(0.0);
-            self.moved(shape, grid.place(node), height)
-        };
-        let nodes = (0..grid.len() - side).filter(|node| (node + 1) % side != 0);
-        let cell = |node: usize| {
+        let side = self.fit.grid.side();
+        let corner = |node: usize| self.moved(shape, &self.measured.nodes[node]);
+        let cell = |&node: &usize| {
             let [a, b, c, d] = [node, node + 1, node + side + 1, node + side].map(corner);
             let area = 0.5 * (c.0 - a.0).perp_dot(d.0 - b.0);
             0.25 * area * (a.1 + b.1 + c.1 + d.1)
         };
-        nodes.filter(|&node| is_within(grid.place(node))).map(cell).sum::<f64>() / 1000.0
+        self.measured.within.iter().map(cell).sum::<f64>() / 1000.0
     }
 
     /// What a tape measures on a shape, with the chest's width of the torso, and the volume over the given bare chest.
-    pub(super) fn tape(&self, shape: &Shape, torso: &Torso) -> Tape {
-        let at = |place: DVec2| self.point(shape, place);
-        let [nipple, medial, lateral] = [self.at.nipple, self.at.medial, self.at.lateral].map(at);
-        let (from, to) = (self.at.nipple, self.at.fold);
-        let along = |k: u32| at(from.lerp(to, f64::from(k) / f64::from(POINTS)));
+    pub(super) fn tape(&self, shape: &Shape) -> Tape {
+        let Measured { chest_width_mm, notch, nipple, medial, lateral, to_fold, .. } =
+            &self.measured;
+        let [nipple, medial, lateral] = [nipple, medial, lateral].map(|of| self.point(shape, of));
+        let along = to_fold
+            .windows(2)
+            .map(|pair| self.point(shape, &pair[0]).distance(self.point(shape, &pair[1])));
         Tape {
-            chest_width_mm: chest_width(torso),
+            chest_width_mm: *chest_width_mm,
             breast_width_mm: medial.distance(lateral),
-            notch_nipple_mm: torso.marks.sternal_notch.distance(nipple),
-            nipple_fold_mm: Some((0..POINTS).map(|k| along(k).distance(along(k + 1))).sum()),
+            notch_nipple_mm: notch.distance(nipple),
+            nipple_fold_mm: Some(along.sum()),
             nipple_nipple_mm: 2.0 * nipple.x,
             breast_volume_ml: self.volume(shape),
         }
     }
 
     /// The shape that has a tape's widths, volume and, where it has one, way to the fold.
-    pub(super) fn shaped(&self, tape: &Tape, torso: &Torso) -> Shape {
+    pub(super) fn shaped(&self, tape: &Tape) -> Shape {
         let of = |tape: &Tape| {
             let volume = LOG_MM * tape.breast_volume_ml.max(1.0).ln();
             [tape.nipple_nipple_mm, tape.breast_width_mm, volume]
         };
-        let found = |numbers| self.tape(&Shape::of(numbers), torso);
+        let found = |numbers| self.tape(&Shape::of(numbers));
         let with = |lowered: f64| {
             let [aside, across, height] =
                 found_numbers(of(tape), |[a, b, c]| of(&found([a, b, c, lowered])));
@@ -182,7 +250,7 @@ impl Mound {
 
     /// The marks on a shape, both sides alike.
     pub(super) fn marks(&self, shape: &Shape, given: &Marks) -> Marks {
-        let at = |place: DVec2| self.point(shape, place);
+        let at = |place: DVec2| self.point(shape, &self.skin(place));
         let Places { nipple, fold, upper, medial, lateral } = self.at;
         let [fold, upper, medial, lateral] = [fold, upper, medial, lateral].map(at);
         let left = BreastMarks { fold, upper, medial, lateral, implant_centre: None };
@@ -210,7 +278,7 @@ impl Mound {
         }
         // Skin of the flank and of the arm lies below and stays.
         let part = smooth_step((height + BELOW_MM) / BELOW_MM);
-        let (to, raised) = self.moved(shape, place, height.max(0.0));
+        let (to, raised) = self.moved(shape, &self.skin_of(place, height.max(0.0)));
         let way = (to - place) * part;
         let rise = (raised - height.max(0.0)) * part + self.bare(place + way) - self.bare(place);
         at + self.fit.frame.direction(way.extend(rise))
