@@ -142,6 +142,13 @@ impl Scene {
         self.layers.last().is_some_and(Layer::is_muscle)
     }
 
+    /// Thickness of the muscle's belly \[mm\], the innermost layer below the muscle; 0 above it.
+    #[must_use]
+    pub fn muscle_mm(&self) -> f64 {
+        let muscle = self.layers.last().filter(|_| self.body.plane.is_some());
+        muscle.map_or(0.0, |layer| layer.thickness_mm)
+    }
+
     /// Adds the muscle of a plane to a scene without one.
     fn add_muscle(&mut self, muscle: Muscle) {
         if self.body.plane.is_some() && self.is_layered() && !self.has_muscle() {

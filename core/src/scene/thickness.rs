@@ -68,8 +68,7 @@ impl Scene {
 
     /// Thickness of the layers that the field leaves as they are, the skin and the muscle of a plane, and of those that it thickens \[mm\].
     pub(super) fn even_and_uneven_mm(&self) -> [f64; 2] {
-        let muscle = self.layers.last().filter(|_| self.body.plane.is_some());
-        let even = self.layers[0].thickness_mm + muscle.map_or(0.0, |layer| layer.thickness_mm);
+        let even = self.layers[0].thickness_mm + self.muscle_mm();
         [even, self.tissue_mm() - even]
     }
 

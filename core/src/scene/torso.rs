@@ -217,8 +217,8 @@ impl Scene {
     pub fn fitted_torso(&self) -> Option<Result<Arc<FittedTorso>, FitError>> {
         // The muscle is as thick everywhere. Over it the tissue is as thick as without it, and other solids have a part of their thickness.
         let [even, uneven] = self.even_and_uneven_mm();
-        let muscle = even - self.layers[0].thickness_mm;
-        let least = (Settings::default().least_mm + muscle).max(even + FACTORS.0 * uneven);
+        let least =
+            (Settings::default().least_mm + self.muscle_mm()).max(even + FACTORS.0 * uneven);
         Some(self.torso.as_ref()?.fitted_under([self.tissue_mm(), least]))
     }
 

@@ -124,7 +124,9 @@ impl App {
                 .resizable(false)
                 .show_separator_line(false)
                 .show(ui, |ui| self.status_row(ui, Layout::Narrow));
-            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            // Each tab has a place of its own.
+            let area = egui::ScrollArea::vertical().id_salt(self.screen.narrow_tab as u8);
+            area.auto_shrink([false, false]).show(ui, |ui| {
                 self.narrow_tab(ui, scene);
                 self.focus.scroll_into_view(ui);
             });
@@ -182,6 +184,7 @@ impl App {
                 self.edits.notice = plan::sides(ui, scene, Hand::Finger);
                 let Shared { choices, volume_marks, .. } = &mut self.shared;
                 plan::implant(ui, scene, choices, volume_marks, Hand::Finger);
+                plan::fill(ui, scene);
                 self.panels.shelf_largest.show(ui, scene, &mut self.actions);
             }
             NarrowTab::Patient => {
@@ -193,6 +196,8 @@ impl App {
             NarrowTab::Pocket => {
                 plan::pocket(ui, scene, Hand::Finger);
                 self.edits.notice = plan::position(ui, scene, Hand::Finger);
+                plan::plane(ui, scene, Hand::Finger);
+                plan::fluid(ui, scene, Hand::Finger);
             }
             NarrowTab::More => {
                 self.answer(ui, Layout::Narrow);

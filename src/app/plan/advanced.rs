@@ -18,7 +18,8 @@ use eframe::egui::{self, RichText, Ui};
 const ACCURACIES: [(&str, usize, f64); 3] =
     [("Fast", 65, 1e-3), ("Normal", 129, 1e-4), ("Fine", 257, 1e-4)];
 
-/// Shows the fold of the tissue, closed at first: what `add` shows, the implant's fill, fat, skin at rest, time and posture, layers with their curves. Returns the layer whose points are to
+/// Shows the fold of the tissue, closed at first: what `add` shows, the implant's fill, fat, skin at rest, plane and fluid of the pocket, time and posture, layers
+/// with their curves. Returns the layer whose points are to
 /// be edited.
 pub(crate) fn tissue(
     ui: &mut Ui,
@@ -33,12 +34,15 @@ pub(crate) fn tissue(
     let header = egui::CollapsingHeader::new(title).id_salt("tissue");
     let fold = header.show_unindented(ui, |ui| {
         add(ui, scene);
-        if Device::of(ui.ctx()) == Device::Implant {
-            fill::fill(ui, scene);
+        // A phone has them under implant and pocket.
+        if hand == Hand::Mouse {
+            fill::show(ui, scene);
         }
         fat::show(ui, scene, hand);
-        pocket::plane(ui, scene, hand);
-        pocket::fluid(ui, scene, hand);
+        if hand == Hand::Mouse {
+            pocket::plane(ui, scene, hand);
+            pocket::fluid(ui, scene, hand);
+        }
         when::show(ui, scene, hand);
         posture::show(ui, scene, hand);
         layers(ui, scene)

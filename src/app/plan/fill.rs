@@ -1,6 +1,6 @@
 //! What fills an implant: gel, saline, or nothing that yields, in a list.
 
-use super::named;
+use super::{Device, named};
 use crate::app::texts::{fixed, tr};
 use crate::app::widgets::{self, set_accessible_name};
 use crate::scene::{Fill, Gel, Scene};
@@ -68,8 +68,11 @@ pub(crate) fn fill_in_words(scene: &Scene) -> String {
     }
 }
 
-/// Shows the choice in a row.
-pub(super) fn fill(ui: &mut Ui, scene: &mut Scene) {
+/// Shows the choice in a row; nothing for an expander.
+pub(crate) fn show(ui: &mut Ui, scene: &mut Scene) {
+    if Device::of(ui.ctx()) == Device::Expander {
+        return;
+    }
     named(ui, tr("Filled with"), |ui| {
         let present = choice(scene);
         let list = widgets::list(ui, "fill").width(150.0);

@@ -1,14 +1,15 @@
-//! The plan as a form: its numbers, its choice and its visit by name, for the form of the page and for scripts. A field has
+//! The plan as a form: its numbers, its choices and its visit by name, for the form of the page and for scripts. A field has
 //! the same limits and the same effect as its control on the screen.
 
 use super::field::{Field, Values};
+use super::form_choice::Choice;
 use super::{
-    Choices, Device, chest, fill, format_at_most, implant, insertion, mm, patient, plain, pocket,
-    position, posture, set_insertion, shape, visit,
+    Choices, Device, chest, format_at_most, implant, insertion, mm, patient, plain, pocket,
+    position, set_insertion, shape, visit,
 };
 use crate::app::texts::tr;
 use crate::app::widgets::Control;
-use crate::clinical::{Dimension, SkinClass};
+use crate::clinical::Dimension;
 use crate::scene::{Field as Row, Scene};
 
 /// A number of the plan.
@@ -32,17 +33,17 @@ enum Number {
     Fluid,
 }
 
-/// The numbers of the size by name, in the order of the screen; the choice of the shape is before the width.
+/// The numbers of the size by name, in the order of the screen.
 const OF_SIZE: [(&str, Number); 4] = [
-    (WIDTH, Number::Size(Dimension::BaseWidth)),
+    ("width_cm", Number::Size(Dimension::BaseWidth)),
     ("height_cm", Number::Height),
     ("volume_ml", Number::Size(Dimension::Volume)),
     ("projection_cm", Number::Size(Dimension::Projection)),
 ];
-/// The numbers after the plain ones; skin and choice of the chest follow the pinch, the choice of the fluid is before its volume.
+/// The numbers after the plain ones.
 const OTHERS: [(&str, Number); 10] = [
     ("apex_lower_cm", Number::Apex),
-    (PINCH, Number::Pinch),
+    ("pinch_cm", Number::Pinch),
     ("chest_across_cm", Number::Chest(0)),
     ("chest_along_cm", Number::Chest(1)),
     ("margin_cm", Number::Margin),
@@ -50,7 +51,7 @@ const OTHERS: [(&str, Number); 10] = [
     ("side_cm", Number::Offset(0)),
     ("up_cm", Number::Offset(1)),
     ("in_place_percent", Number::InPlace),
-    (FLUID_ML, Number::Fluid),
+    ("fluid_ml", Number::Fluid),
 ];
 /// The numbers of a torso by name.
 const OF_TORSO: [(&str, Number); 6] = [
@@ -61,15 +62,6 @@ const OF_TORSO: [(&str, Number); 6] = [
     ("nipple_nipple_cm", Number::Plain(Row::TorsoNipples)),
     ("breast_volume_ml", Number::Plain(Row::TorsoVolume)),
 ];
-const WIDTH: &str = "width_cm";
-const SHAPE: &str = "shape";
-const FILL: &str = "fill";
-const PINCH: &str = "pinch_cm";
-const SKIN: &str = "skin";
-const CHEST: &str = "chest";
-const FLUID: &str = "fluid";
-const FLUID_ML: &str = "fluid_ml";
-const POSTURE: &str = "posture";
 
 /// The name of a plain number: the last one of its path.
 fn name_of(number: Row) -> &'static str {
@@ -85,11 +77,10 @@ fn numbers() -> impl Iterator<Item = (&'static str, Number)> {
 /// The fields of the present plan, in the order of the screen.
 pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
     let mut fields = Vec::new();
+    let choices_before =
+        |name| Choice::before(name, scene, choices).map(|choice| choice.field(scene));
     for (name, number) in numbers() {
-        if name == WIDTH && has_shape(choices) {
-            fields.extend([shape_field(scene), fill_field(scene)]);
-        }
-        fields.extend((name == FLUID_ML && scene.is_layered()).then(|| fluid_field(scene)));
+        fields.extend(choices_before(name));
         fields.extend(number.control(scene, choices).map(|(control, value)| {
             let allowed = control.allowed();
             let (text, values) = (
@@ -111,12 +102,8 @@ pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
                 values,
             }
         }));
-        if name == PINCH {
-            fields.push(skin(scene));
-            fields.extend(scene.is_layered().then(|| chest_field(scene)));
-        }
     }
-    fields.extend(scene.is_layered().then(|| posture_field(scene)));
+    fields.extend(choices_before(""));
     fields.extend(visit::form_fields(scene));
     fields
 }
@@ -124,95 +111,6 @@ pub(crate) fn fields(scene: &Scene, choices: &Choices) -> Vec<Field> {
 /// The choices of a form: the dimension that follows rules.
 fn without_last(choices: &Choices) -> Choices {
     Choices { last: None, ..*choices }
-}
-
-/// Has the plan a choice between round and anatomical, and of the fill? An expander has none.
-fn has_shape(choices: &Choices) -> bool {
-    choices.device == Device::Implant
-}
-
-/// A choice of words, each with its name on the screen; `text` is the word of the present one.
-fn choice<const N: usize>(
-    (name, label): (&'static str, &'static str),
-    text: Option<&str>,
-    hint: &'static str,
-    choices: [(&'static str, &'static str); N],
-) -> Field {
-    Field {
-        name,
-        label: tr(label),
-        unit: "",
-        text: text.unwrap_or_default().to_owned(),
-        hint: tr(hint).to_owned(),
-        range: String::new(),
-        values: Values::Words {
-            choices: choices.map(|(word, _)| word).to_vec(),
-            words: choices.map(|(_, name)| tr(name)).to_vec(),
-        },
-    }
-}
-
-/// The choice of the implant's shape.
-fn shape_field(scene: &Scene) -> Field {
-    choice(
-        (SHAPE, "Implant"),
-        Some(shape::choice(scene)),
-        "Shape of the implant: round; anatomical, with a height of its own and a lower apex.",
-        shape::CHOICES.map(|(word, _)| (word, word)),
-    )
-}
-
-/// The choice of the implant's fill; empty for a gel by its numbers.
-fn fill_field(scene: &Scene) -> Field {
-    choice(
-        (FILL, "Filled with"),
-        fill::choice(scene),
-        "How far the implant yields under the tissue: gel that is form-stable, cohesive or soft, saline, or rigid.",
-        fill::CHOICES.map(|(word, _, name, _)| (word, name)),
-    )
-}
-
-/// The class of the skin; empty with a measured pull or with values set by hand.
-fn skin(scene: &Scene) -> Field {
-    choice(
-        (SKIN, "Skin feels"),
-        scene.measured().skin_class.map(SkinClass::word),
-        "Class of the skin by how far a pull lifts the skin: tight less than 2 cm, normal 2–3 cm, lax 3–4 cm, \
-               very lax more than 4 cm.",
-        SkinClass::ALL.map(|class| (class.word(), class.word())),
-    )
-}
-
-/// The choice of the chest; empty for radii of their own.
-fn chest_field(scene: &Scene) -> Field {
-    choice(
-        (CHEST, "Chest"),
-        chest::choice(scene),
-        "Curvature of the chest wall: flat; usual, with a radius of 14 cm across the body; round, with 12 cm across and 60 cm along; torso, by what a tape measures.",
-        chest::CHOICES.map(|(word, ..)| (word, word)),
-    )
-}
-
-/// The choice of whether the void of the pocket is limited.
-fn fluid_field(scene: &Scene) -> Field {
-    choice(
-        (FLUID, "Fluid in the pocket"),
-        Some(pocket::fluid_choice(scene)),
-        "The ring between the implant's rim and the pocket's edge: as large as it gets, or with so much fluid at most.",
-        pocket::FLUIDS.map(|(word, name, _)| (word, name)),
-    )
-}
-
-/// The choice of the posture.
-fn posture_field(scene: &Scene) -> Field {
-    let words = posture::POSTURES.map(|(posture, word, name, _)| (posture, word, name));
-    let present = words.into_iter().find(|(posture, ..)| *posture == scene.body.posture);
-    choice(
-        (POSTURE, "Posture"),
-        present.map(|(_, word, _)| word),
-        "Whether weight counts, and in which direction: the tissue was measured standing.",
-        words.map(|(_, word, name)| (word, name)),
-    )
 }
 
 /// Sets a field from its text. A number may have a decimal comma and a unit.
@@ -225,52 +123,9 @@ pub(crate) fn set(
     name: &str,
     text: &str,
 ) -> Result<(), String> {
-    let chosen = |label, words: &[&str]| {
-        let place = words.iter().position(|word| *word == text.trim());
-        let refusal =
-            || tr!("{label}: allowed: {words}", label = tr(label), words = words.join(", "));
-        place.ok_or_else(refusal)
-    };
-    let is_layered = scene.is_layered();
-    match name {
-        SKIN => {
-            let found = chosen("Skin feels", &SkinClass::ALL.map(SkinClass::word))?;
-            let mut measured = scene.measured();
-            (measured.skin_class, measured.skin_pull_mm) = (Some(SkinClass::ALL[found]), None);
-            patient::measure(scene, measured);
-        }
-        SHAPE if has_shape(choices) => {
-            let found = chosen("Implant", &shape::CHOICES.map(|(word, _)| word))?;
-            shape::set_anatomical(scene, choices, found == 1);
-        }
-        FILL if has_shape(choices) => {
-            let found = chosen("Filled with", &fill::CHOICES.map(|(word, ..)| word))?;
-            scene.implant.fill = fill::CHOICES[found].1;
-        }
-        CHEST if is_layered => {
-            let found = chosen("Chest", &chest::CHOICES.map(|(word, ..)| word))?;
-            chest::CHOICES[found].1.set(scene);
-        }
-        FLUID if is_layered => {
-            let found = chosen("Fluid in the pocket", &pocket::FLUIDS.map(|(word, ..)| word))?;
-            pocket::limit_fluid(scene, found == 1);
-        }
-        POSTURE if is_layered => {
-            let found = chosen("Posture", &posture::POSTURES.map(|(_, word, ..)| word))?;
-            scene.body.posture = posture::POSTURES[found].0;
-        }
-        _ => return set_other(scene, choices, name, text),
+    if let Some(choice) = Choice::named(name, scene, choices) {
+        return choice.set(scene, choices, text);
     }
-    Ok(())
-}
-
-/// Sets a number or a field of the visit from its text.
-fn set_other(
-    scene: &mut Scene,
-    choices: &mut Choices,
-    name: &str,
-    text: &str,
-) -> Result<(), String> {
     if let Some(set) = visit::set_form_field(scene, name, text) {
         return set;
     }
@@ -344,7 +199,8 @@ impl Number {
 #[allow(clippy::float_cmp, reason = "stated values hold to the last bit")]
 mod tests {
     use super::*;
-    use crate::scene::{ChestShape, Fill, Posture};
+    use crate::clinical::{SkinClass, When};
+    use crate::scene::{ChestShape, Fill, Plane, Posture};
 
     /// The scene after fields of the opening plan were set.
     fn after(fields: &[(&str, &str)]) -> Scene {
@@ -395,6 +251,12 @@ mod tests {
         let free = after(&[("fluid", "limited"), ("fluid", "free")]);
         assert_eq!(free, Scene::opening());
         assert_eq!(after(&[("posture", "lying")]).body.posture, Posture::Lying);
+        assert_eq!(after(&[("plane", "dual_2")]).body.plane, Some(Plane::DualPlaneIi));
+        assert_eq!(after(&[("plane", "below"), ("plane", "above")]), Scene::opening());
+        let tense = after(&[("skin_at_rest", "under_tension")]);
+        assert_eq!(tense.body.skin_state.natural_tension_n_per_m, 20.0);
+        assert_eq!(after(&[("time", "six_months")]).when(), Some(When::SixMonths));
+        assert_eq!(after(&[("time", "week"), ("time", "on_the_table")]), Scene::opening());
         let round = after(&[("shape", "anatomical"), ("shape", "round")]);
         assert!(round.implant.is_round());
         let chest =
@@ -409,7 +271,7 @@ mod tests {
         let plain = Row::PLAIN.map(name_of).join(", ");
         let no_field = format!(
             "the plan has no field of this name; allowed: shape, fill, width_cm, volume_ml, projection_cm, {plain}, pinch_cm, skin, \
-             chest, chest_across_cm, margin_cm, fold_lower_cm, side_cm, up_cm, in_place_percent, fluid, posture, reference, side, date, surgeon, remarks"
+             skin_at_rest, chest, chest_across_cm, margin_cm, plane, fold_lower_cm, side_cm, up_cm, in_place_percent, fluid, time, posture, reference, side, date, surgeon, remarks"
         );
         for (name, text, words) in [
             ("width_cm", "wide", "Width: “wide” is not a number"),
@@ -422,6 +284,9 @@ mod tests {
             ("chest", "square", "Chest: allowed: flat, usual, round, torso"),
             ("fluid", "10", "Fluid in the pocket: allowed: free, limited"),
             ("posture", "upright", "Posture: allowed: none, standing, lying"),
+            ("plane", "dual", "Plane of the pocket: allowed: above, dual_1, dual_2, dual_3, below"),
+            ("skin_at_rest", "20", "Skin at rest: allowed: without_tension, under_tension"),
+            ("time", "a year", "Time after the operation: allowed: on_the_table, week, six_months"),
             ("side_cm", "3", "To the side: at most 1.0 cm in this pocket"),
             ("height", "3", &no_field),
             ("side", "up", "Side: allowed: left, right, both, each own, not said"),
@@ -460,7 +325,7 @@ mod tests {
         let (mut scene, mut choices) = (Scene::opening(), Choices::default());
         choices.device = Device::Expander;
         let names: Vec<&str> = fields(&scene, &choices).iter().map(|field| field.name).collect();
-        let without = ["projection_cm", SHAPE, FILL];
+        let without = ["projection_cm", "shape", "fill"];
         assert!(without.iter().all(|name| !names.contains(name)), "{names:?}");
         assert!(set(&mut scene, &mut choices, "projection_cm", "4").is_err());
     }

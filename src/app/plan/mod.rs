@@ -2,7 +2,7 @@
 //! turns the difference into a command.
 //!
 //! `chest` (its curvature) | `fill` (what the implant is filled with) | `implant` (width, volume, projection, profile, expander) | `patient` (pinch, skin) | `practice` (what practice's volume needs) | `pocket` (margin, plane, fluid) | `plain` (numbers shown by their rows alone) | `posture` (the direction of weight) | `position`
-//! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each) | `visit`
+//! (the implant in its pocket) | `shape` (round or anatomical) | `side` (of the breast) | `insertion` (in place) | `form` (all of these by name, for forms and scripts; a `field` each, choices in `form_choice`) | `visit`
 //! (patient and visit in words, with the `date`) | `when` (the skin at rest, and the time after the operation).
 
 pub(crate) mod advanced;
@@ -13,6 +13,7 @@ pub(crate) mod fat;
 mod field;
 mod fill;
 mod form;
+mod form_choice;
 mod implant;
 mod insertion;
 mod patient;
@@ -30,12 +31,12 @@ pub(crate) mod volumes;
 pub(crate) mod when;
 
 pub(super) use chest::chest_in_words;
-pub(super) use fill::fill_in_words;
+pub(super) use fill::{fill_in_words, show as fill};
 pub(super) use form::{fields, set};
 pub(super) use implant::{implant, projection_in_words, set_projection};
 pub(super) use insertion::{insertion, set_insertion};
 pub(super) use patient::patient;
-pub(super) use pocket::{fluid_in_words, plane_in_words, pocket};
+pub(super) use pocket::{fluid, fluid_in_words, plane, plane_in_words, pocket};
 pub(super) use position::{hand_of, move_to, position, position_in_words};
 pub(super) use posture::posture_in_words;
 pub(super) use practice::practice;

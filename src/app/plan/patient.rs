@@ -134,8 +134,7 @@ fn thickness(ui: &mut Ui, scene: &mut Scene) {
         // 95 % of the people of this pinch.
         let (least, most) = derived.whole.range(2.0);
         // The pinch holds no muscle.
-        let muscle = scene.layers.last().filter(|_| scene.body.plane.is_some());
-        let muscle = muscle.map_or(0.0, |layer| layer.thickness_mm);
+        let muscle = scene.muscle_mm();
         let range = format!(" ({:.0}–{:.0})", least + muscle, most + muscle);
         (range, tr!("Range of 95 %. {source}", source = tr(derived.whole.source)))
     });

@@ -7,34 +7,43 @@ use crate::app::widgets::{Control, group, quantity};
 use crate::scene::{Field, Plane, Scene, limits};
 use eframe::egui::{RichText, Ui};
 
-/// A plane: its name on a chip and what it means.
-const PLANES: [(Option<Plane>, &str, &str); 5] = [
-    (None, "Above", "Above the muscle: skin, fat and gland cover the implant."),
+/// A plane: its word in a form, its name on a chip and what it means.
+pub(super) const PLANES: [(Option<Plane>, &str, &str, &str); 5] = [
+    (None, "above", "Above", "Above the muscle: skin, fat and gland cover the implant."),
     (
         Some(Plane::DualPlaneI),
+        "dual_1",
         "Dual I",
         "Dual plane I: the muscle covers the implant down to the fold.",
     ),
     (
         Some(Plane::DualPlaneIi),
+        "dual_2",
         "II",
         "Dual plane II: the muscle covers the implant down to the lower edge of the areola.",
     ),
     (
         Some(Plane::DualPlaneIii),
+        "dual_3",
         "III",
         "Dual plane III: the muscle covers the implant down to the upper edge of the areola.",
     ),
     (
         Some(Plane::Below),
+        "below",
         "Below",
         "Below the muscle, 8 mm of 5 kPa at rest: an estimate (6–12 mm, 3–30 kPa). It does not contract here.",
     ),
 ];
 
+/// A plane in words, in English.
+pub(super) fn words_of(plane: Option<Plane>) -> &'static str {
+    plane.map_or("above the muscle", Plane::words)
+}
+
 /// The plane in words.
 pub(crate) fn plane_in_words(scene: &Scene) -> String {
-    tr(scene.body.plane.map_or("above the muscle", Plane::words)).to_owned()
+    tr(words_of(scene.body.plane)).to_owned()
 }
 
 /// Shows the margin of the pocket.
@@ -57,7 +66,7 @@ pub(crate) fn plane(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     }
     group(ui, tr("Plane of the pocket"), |ui| {
         chips(ui, |ui| {
-            for (plane, name, about) in PLANES {
+            for (plane, _, name, about) in PLANES {
                 if chip(ui, hand, scene.body.plane == plane, tr(name), tr(about)) {
                     scene.set_plane(plane);
                 }

@@ -10,16 +10,29 @@ use eframe::egui::Ui;
 /// Natural tensions that the choice sets \[N/m\]: the first under which a measured pull has a strain scale.
 const TENSIONS: [f64; 4] = [20.0, 15.0, 10.0, 5.0];
 
-/// A time: its name and what it means.
-const TIMES: [(When, &str, &str); 3] = [
-    (When::OnTheTable, "On the table", "Within the hour: nothing has relaxed or grown."),
+/// The skin before the operation: the words of a choice, and their names on chips.
+pub(super) const AT_REST: [(&str, &str); 2] =
+    [("without_tension", "Without tension"), ("under_tension", "Under tension")];
+pub(super) const ABOUT_TENSION: &str = "20 N/m before the operation, or as much as the measured pull leaves: an assumption, no measurement of \
+                 breast skin was found. The pull then counts under this tension.";
+
+/// A time: its word in a form, its name and what it means.
+pub(super) const TIMES: [(When, &str, &str, &str); 3] = [
+    (
+        When::OnTheTable,
+        "on_the_table",
+        "On the table",
+        "Within the hour: nothing has relaxed or grown.",
+    ),
     (
         When::Week,
+        "week",
         "A week",
         "Half of the tension that the implant adds to the skin has relaxed, and 30 % of the skin's stretch has become growth: estimates, ± 10 and 20 points.",
     ),
     (
         When::SixMonths,
+        "six_months",
         "Six months",
         "Half of the tension that the implant adds to the skin has relaxed, and 80 % of the skin's stretch has become growth: estimates, ± 10 and 20 points. \
          The fold is about 14 mm lower (14 women, Eder et al. 2011), which no picture shows.",
@@ -32,27 +45,33 @@ pub(super) fn tensions_up_to(most: f64) -> impl Iterator<Item = f64> {
     std::iter::once(most).chain(lower)
 }
 
+/// Has the skin a tension at rest?
+pub(super) fn is_tense(scene: &Scene) -> bool {
+    scene.body.skin_state.natural_tension_n_per_m > 0.0
+}
+
+/// Gives the skin at rest the first tension that it may have, or none.
+pub(super) fn set_tense(scene: &mut Scene, is_tense: bool) {
+    // Without a tension every pull has a strain scale.
+    let mut tensions = tensions_up_to(if is_tense { TENSIONS[0] } else { 0.0 });
+    tensions.any(|tension| scene.set_natural_tension(tension).is_ok());
+}
+
 /// Shows the choices; nothing for a sheet.
 pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     if !scene.is_layered() {
         return;
     }
     group(ui, tr("Skin at rest"), |ui| {
-        let tension = scene.body.skin_state.natural_tension_n_per_m;
+        let abouts = ["As if the skin were slack before the operation.", ABOUT_TENSION];
         chips(ui, |ui| {
-            let about = tr("As if the skin were slack before the operation.");
-            if chip(ui, hand, tension <= 0.0, tr("Without tension"), about) {
-                // Without a tension every pull has a strain scale.
-                let _ = scene.set_natural_tension(0.0);
-            }
-            let about = tr(
-                "20 N/m before the operation, or as much as the measured pull leaves: an assumption, no measurement of \
-                 breast skin was found. The pull then counts under this tension.",
-            );
-            if chip(ui, hand, tension > 0.0, tr("Under tension"), about) {
-                let _ = TENSIONS.iter().any(|tension| scene.set_natural_tension(*tension).is_ok());
+            for (k, ((_, name), about)) in AT_REST.into_iter().zip(abouts).enumerate() {
+                if chip(ui, hand, is_tense(scene) == (k == 1), tr(name), tr(about)) {
+                    set_tense(scene, k == 1);
+                }
             }
         });
+        let tension = scene.body.skin_state.natural_tension_n_per_m;
         if tension > 0.0 {
             remark(ui, tr!("{tension} N/m before the operation", tension = fixed(tension, 0)));
         }
@@ -60,7 +79,7 @@ pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     group(ui, tr("Time after the operation"), |ui| {
         let present = scene.when();
         chips(ui, |ui| {
-            for (when, name, about) in TIMES {
+            for (when, _, name, about) in TIMES {
                 if chip(ui, hand, present == Some(when), tr(name), tr(about)) {
                     *scene = scene.at(when);
                 }
@@ -72,7 +91,7 @@ pub(crate) fn show(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
 /// The name of a time.
 pub(crate) fn name(when: When) -> &'static str {
     let found = TIMES.iter().find(|(time, ..)| *time == when);
-    tr(found.map_or("", |(_, name, _)| name))
+    tr(found.map_or("", |(_, _, name, _)| name))
 }
 
 /// What of the skin's tension is left and how much of its stretch has grown, in words.
@@ -113,10 +132,9 @@ pub(crate) fn time_in_words(scene: &Scene) -> String {
 
 /// The state of the skin in words, of skin that has one.
 pub(super) fn rows(scene: &Scene) -> [Option<(&'static str, String)>; 2] {
-    let is_tense = scene.body.skin_state.natural_tension_n_per_m > 0.0;
     let is_later = scene.when() != Some(When::OnTheTable);
     [
-        is_tense.then(|| (tr("Skin at rest"), tension_in_words(scene))),
+        is_tense(scene).then(|| (tr("Skin at rest"), tension_in_words(scene))),
         is_later.then(|| (tr("Time after the operation"), time_in_words(scene))),
     ]
 }

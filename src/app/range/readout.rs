@@ -79,6 +79,7 @@ pub(super) fn lines(map: JudgedMap<'_>, i: usize, j: usize, first: Quantity) -> 
         let about = if is_solved { "" } else { tr("about ") };
         let error = map
             .interpolated(quantity, i, j)
+            .filter(|(_, error)| *error > 0.0)
             .map_or_else(String::new, |(_, error)| format!(" ± {}", within_text(quantity, error)));
         let word =
             word(map, quantity, value, (i, j)).map_or_else(String::new, |w| format!(", {w}"));
