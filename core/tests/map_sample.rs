@@ -90,6 +90,36 @@ fn the_opening_range_is_known_from_70_points() {
     }
 }
 
+/// At rest there is no pressure and no cover; beside it the values of a point do not contradict each other.
+#[test]
+fn a_map_from_rest_has_the_quantities_of_its_points() {
+    let new = || map(["projection_mm=20:40:12", "insertion=0:1:16"]);
+    let (sampled, all) = (run(new().sampled(), 1, evaluate), run(new(), 1, evaluate));
+    use Quantity as Q;
+    let mut interpolated = [0; 2];
+    for (i, j) in points(&all) {
+        for quantity in Q::ALL {
+            let [found, wanted] = [&sampled, &all].map(|map| map.value(quantity, i, j).is_some());
+            assert_eq!(found, wanted, "{quantity:?} at {i}, {j}");
+        }
+        let Some((volume, error)) = sampled.interpolated(Q::ImplantVolumeMl, i, j) else {
+            continue;
+        };
+        interpolated[usize::from(j == 0)] += 1;
+        let wanted = all.value(Q::ImplantVolumeMl, i, j).unwrap();
+        assert!((volume / wanted - 1.0).abs() < 1e-9 && error == 0.0, "{volume} {wanted}");
+        for (least, most) in [
+            (Q::MeanPressureKpa, Q::GreatestPressureKpa),
+            (Q::MeanPressureMmhg, Q::GreatestPressureMmhg),
+            (Q::LeastCoverMm, Q::ApexCoverMm),
+        ] {
+            let [least, most] = [least, most].map(|quantity| sampled.value(quantity, i, j));
+            assert!(least <= most, "{least:?} {most:?} at {i}, {j}");
+        }
+    }
+    assert!(interpolated[0] > 80 && interpolated[1] > 3, "{interpolated:?}");
+}
+
 /// Thirteen of the lattice's 25 points give a first map, whose errors are stated; the points that are solved do not depend on it.
 #[test]
 fn half_of_the_lattice_gives_a_first_map_with_errors() {

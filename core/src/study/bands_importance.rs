@@ -37,17 +37,28 @@ impl Bands {
     /// Sobol indices of a quantity by unknown, once all samples are solved; `None` without enough answers or without variance.
     #[must_use]
     pub fn importance(&self, quantity: Quantity) -> Vec<Option<Index>> {
-        match self.fits.of(quantity) {
-            None => vec![None; self.unknowns.len()],
-            Some(fit) if fit.error <= MOST_ERROR => fit.indices.iter().copied().map(Some).collect(),
-            Some(_) => self.importance_by_rows(quantity),
+        match (self.fits.of(quantity), self.better_rows(quantity)) {
+            (None, _) => vec![None; self.unknowns.len()],
+            (Some(_), Some(rows)) => rows,
+            (Some(fit), None) => fit.indices.iter().copied().map(Some).collect(),
         }
     }
 
     /// Part of the variance that the polynomial behind [`Self::importance`] misses \[-\]; `None` for indices from rows.
     #[must_use]
     pub fn importance_error(&self, quantity: Quantity) -> Option<f64> {
-        self.fits.of(quantity).map(|fit| fit.error).filter(|error| *error <= MOST_ERROR)
+        let fit = self.fits.of(quantity)?;
+        self.better_rows(quantity).is_none().then_some(fit.error)
+    }
+
+    /// The indices from rows of a quantity whose polynomial misses too much, if their standard errors are smaller than what it misses.
+    fn better_rows(&self, quantity: Quantity) -> Option<Vec<Option<Index>>> {
+        let missed = self.fits.of(quantity).map(|fit| fit.error).filter(|e| *e > MOST_ERROR)?;
+        let rows = self.importance_by_rows(quantity);
+        let is_better = |index: &Option<Index>| {
+            index.is_some_and(|index| index.standard_error.iter().all(|error| *error < missed))
+        };
+        rows.iter().all(is_better).then_some(rows)
     }
 
     /// The indices from the rows that have converged.
@@ -85,35 +96,33 @@ impl Bands {
                 "No importance: samples with an answer: {answers}; an index needs {MIN_ROWS}."
             )];
         }
-        let missed = self.missed();
-        if missed.is_empty() {
-            return Vec::new();
-        }
-        let name = |(quantity, error): &(Quantity, f64)| {
-            format!("{} ({:.0} %)", quantity.name(), 100.0 * error)
+        let least = 100.0 * MOST_ERROR;
+        let (of_rows, of_polynomials): (Vec<_>, Vec<_>) = self
+            .missed()
+            .into_iter()
+            .partition(|(quantity, _)| self.importance_error(*quantity).is_none());
+        let remark = |of: &[(Quantity, f64)], why: String| {
+            let name = |(quantity, error): &(Quantity, f64)| {
+                format!("{} ({:.0} %)", quantity.name(), 100.0 * error)
+            };
+            let names: Vec<String> = of.iter().map(name).collect();
+            (!of.is_empty()).then(|| format!("{why}: {}.", names.join(", ")))
         };
-        let names: Vec<String> = missed.iter().map(name).collect();
-        let mut remarks = vec![format!(
-            "Importance from {rows} rows, because polynomials of the samples miss more than {:.0} % of the variance: {}.",
-            100.0 * MOST_ERROR,
-            names.join(", ")
-        )];
-        let answers = |k: usize| {
-            let is_whole = |row: &usize| self.row_items(k, *row).into_iter().all(is_answer);
-            (0..rows).filter(is_whole).count()
-        };
-        let short = |k: usize| {
-            let (name, found) = (self.unknowns[k].0.name(), answers(k));
-            (found < MIN_ROWS).then(|| format!("{name} ({found})"))
-        };
-        let short: Vec<String> = (0..self.unknowns.len()).filter_map(short).collect();
-        if !short.is_empty() {
-            remarks.push(format!(
-                "No importance from rows of {}: rows with an answer, of {rows}; an index needs {MIN_ROWS}.",
-                short.join(", ")
-            ));
-        }
-        remarks
+        let remarks = [
+            remark(
+                &of_rows,
+                format!(
+                    "Importance from {rows} rows, because polynomials of the samples miss more than {least:.0} % of the variance"
+                ),
+            ),
+            remark(
+                &of_polynomials,
+                format!(
+                    "Importance from polynomials of the samples that miss more than {least:.0} % of the variance, because {rows} rows tell less"
+                ),
+            ),
+        ];
+        remarks.into_iter().flatten().collect()
     }
 }
 

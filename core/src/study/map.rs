@@ -292,15 +292,19 @@ impl Map {
         self.scene_with(i, j, self.settings)
     }
 
+    /// The values of the axes at a point.
+    pub(super) fn values_at(&self, i: usize, j: usize) -> Vec<(Parameter, f64)> {
+        self.axes.iter().zip([i, j]).map(|(axis, k)| (axis.field, axis.value(k))).collect()
+    }
+
     pub(super) fn scene_with(
         &self,
         i: usize,
         j: usize,
         settings: MapSettings,
     ) -> Result<Scene, String> {
-        let values: Vec<(Parameter, f64)> =
-            self.axes.iter().zip([i, j]).map(|(axis, k)| (axis.field, axis.value(k))).collect();
-        let mut scene = with_values(&self.base, &values).map_err(|error| error.to_string())?;
+        let mut scene =
+            with_values(&self.base, &self.values_at(i, j)).map_err(|error| error.to_string())?;
         scene.patient = None;
         settings.apply(&mut scene);
         scene.validate().map_err(|error| error.to_string())?;

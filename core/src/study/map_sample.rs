@@ -7,7 +7,8 @@
 
 use super::map_column::{Column, Nearest, Series, median};
 use super::surface::{LESS_SMOOTH, SMOOTH, Surface};
-use super::{Case, Map, PointStatus, Quantity};
+use super::{Case, Map, Parameter, PointStatus, Quantity};
+use crate::scene::Field;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -103,7 +104,7 @@ impl Sample {
     }
 
     /// Value, error, and what the error is relative to, of a point that is not solved.
-    fn of(&self, quantity: Quantity, item: usize) -> Option<[f64; 3]> {
+    pub(super) fn of(&self, quantity: Quantity, item: usize) -> Option<[f64; 3]> {
         let at = item * Quantity::COUNT + quantity as usize;
         let value = self.values.get(at).copied().filter(|value| !value.is_nan())?;
         Some([value, self.errors[at], self.scales[at]])
@@ -166,25 +167,6 @@ impl Map {
             Some(case) => case.status.map(|_| Source::Solved),
             None if self.status(i, j) != PointStatus::Waiting => Some(Source::Interpolated),
             None => None,
-        }
-    }
-
-    /// The interpolated value of a point that is not solved, and its error.
-    #[must_use]
-    pub fn interpolated(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, f64)> {
-        let (columns, rows) = self.shape();
-        let is_open = i < columns && j < rows && self.case(i, j).is_none();
-        let of = |quantity| self.sample.of(quantity, j * columns + i).filter(|_| is_open);
-        let [value, error, _] = of(quantity)?;
-        let limit = match quantity {
-            Quantity::AreaOver25 => 0.25,
-            Quantity::AreaOver50 => 0.5,
-            _ => return Some((value, error)),
-        };
-        // No skin is stretched above a strain that the greatest one does not reach, and no more than all of it.
-        match of(Quantity::GreatestStrain) {
-            Some([strain, error, _]) if strain + error < limit => Some((0.0, 0.0)),
-            _ => Some((value, error.min(1.0))),
         }
     }
 
@@ -254,6 +236,15 @@ impl Map {
     fn nearest(&self) -> Vec<Option<Near>> {
         let columns = self.shape().0;
         let cases = self.queue.cases();
+        // At rest are other quantities than beside it, and always an answer.
+        let axes = self.axes().iter().enumerate();
+        let mut of_insertion =
+            axes.filter(|(_, axis)| axis.field == Parameter::of(Field::Insertion));
+        let insertions = of_insertion.next().map(|(k, axis)| (k, axis.values()));
+        let is_at_rest = |item: usize| match &insertions {
+            Some((k, values)) => values[[item % columns, item / columns][*k]] == 0.0,
+            None => false,
+        };
         let solved: Vec<(usize, bool)> = cases
             .iter()
             .enumerate()
@@ -268,7 +259,8 @@ impl Map {
                 let along = |a: usize, b: usize| a.abs_diff(b).pow(2);
                 along(own % columns, item % columns) + along(own / columns, item / columns)
             };
-            let near = solved.iter().map(|&(item, has_answer)| {
+            let alike = solved.iter().filter(|(item, _)| is_at_rest(*item) == is_at_rest(own));
+            let near = alike.map(|&(item, has_answer)| {
                 let squared = squared(item);
                 Near { squared, item, has_answer }
             });

@@ -3,11 +3,52 @@
 use super::contour::Path;
 use super::map::{Map, PointStatus};
 use super::map_levels::round_levels;
+use super::parameter::with_values;
 use super::{Parameter, Quantity};
 use crate::clinical::{Dimension, Size, typical_sizes};
+use crate::measure::STRAIN_BANDS;
 use crate::scene::{Field, Implant};
 
 impl Map {
+    /// The interpolated value of a point that is not solved, and its error.
+    #[must_use]
+    pub fn interpolated(&self, quantity: Quantity, i: usize, j: usize) -> Option<(f64, f64)> {
+        let (columns, rows) = self.shape();
+        let is_open = i < columns && j < rows && self.case(i, j).is_none();
+        let of = |quantity| self.sample.of(quantity, j * columns + i).filter(|_| is_open);
+        let [value, error, _] = of(quantity)?;
+        let [low, high, _] = STRAIN_BANDS;
+        // No skin is stretched above a strain that the greatest one does not reach, and no more than all of it.
+        let area_over = |limit| match of(Quantity::GreatestStrain) {
+            Some([strain, error, _]) if strain + error < limit => (0.0, 0.0),
+            _ => (value, error.min(1.0)),
+        };
+        // The greatest pressure is no less than the mean, the least cover no more than that over the apex.
+        let at_least = |other| match of(other) {
+            Some([least, of_least, _]) if value < least => (least, error.max(of_least)),
+            _ => (value, error),
+        };
+        Some(match quantity {
+            Quantity::AreaOver25 => area_over(low),
+            Quantity::AreaOver50 => area_over(high),
+            Quantity::GreatestPressureKpa => at_least(Quantity::MeanPressureKpa),
+            Quantity::GreatestPressureMmhg => at_least(Quantity::MeanPressureMmhg),
+            Quantity::ApexCoverMm => at_least(Quantity::LeastCoverMm),
+            // No tissue changes the volume.
+            Quantity::ImplantVolumeMl => match self.implant_volume_ml(i, j) {
+                Some(volume) => (volume, 0.0),
+                None => (value, error),
+            },
+            _ => (value, error),
+        })
+    }
+
+    /// The volume of the implant of a point \[ml\].
+    fn implant_volume_ml(&self, i: usize, j: usize) -> Option<f64> {
+        let implant = with_values(self.base(), &self.values_at(i, j)).ok()?.implant;
+        Some(implant.size().ok()?.volume_ml())
+    }
+
     /// The value to display at a point, and whether the value is known: solved, or interpolated with a small error. The value of a
     /// waiting point of a map that is solved as a whole is interpolated between the corners of the finest lattice around the point that
     /// is solved; a point that ended without convergence has no value, and no value is interpolated from such a point.

@@ -155,7 +155,7 @@ impl Outcome {
         }
         for (layer, range) in self.layers.iter_mut().zip(solution.thickness_ranges()) {
             let (least, greatest) = (range.0.into(), range.1.into());
-            layer.thickness_mm = Some(Thickness { least, greatest });
+            layer.thickness_mm = (least <= greatest).then_some(Thickness { least, greatest });
         }
         let skin = solution.elastic_deformation().summary([], |_| 1.0);
         self.layers[0].max_stretch = Some(1.0 + skin.greatest);

@@ -324,7 +324,7 @@ impl Solution {
     }
 
     /// Layered tissue: least and greatest of [`Stack::thickness_mm`] of each layer over the free nodes, from the skin
-    /// inwards, without the stack.
+    /// inwards, without the stack; of an innermost solid that ends within the patch where it is whole.
     pub(crate) fn thickness_ranges(&self) -> Vec<(f32, f32)> {
         if self.law.layered().is_none() {
             return Vec::new();
@@ -336,7 +336,9 @@ impl Solution {
             let solids = faces.windows(2).rev();
             let solid = |p: &[&[DVec3]]| solid_thickness_mm(deformation, p[0][k], p[1][k], k);
             let all = std::iter::once(self.skin_thickness_mm(k)).chain(solids.map(solid));
-            for ((least, greatest), thickness) in ranges.iter_mut().zip(all) {
+            let is_whole = self.problem.rest.innermost_part(k) >= 1.0;
+            let count = if is_whole { faces.len() } else { faces.len() - 1 };
+            for ((least, greatest), thickness) in ranges[..count].iter_mut().zip(all) {
                 (*least, *greatest) = (least.min(thickness), greatest.max(thickness));
             }
         }
