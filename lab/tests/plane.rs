@@ -193,10 +193,10 @@ fn the_more_muscle_the_more_force_and_cover() {
         cover.apex - cover.without_muscle.unwrap().apex
     };
     assert!(of_muscle(&found[1]) < 0.5 && found[2..].iter().all(|of| of_muscle(of) > 6.0));
-    // What is below the muscle's edge does not count: half of the fat is thinner by 3 mm.
+    // What is below the edge, half of the fat or 4 mm, does not count; beside the edge the muscle is thinner by half a millimetre.
     let thinnest = |of: &Outcome| of.layers.last().unwrap().thickness_mm.unwrap().least;
     let least: Vec<f64> = found[1..].iter().map(thinnest).collect();
-    assert!(least.iter().all(|thin| *thin > least[3] - 0.3), "{least:?}");
+    assert!(least.iter().all(|thin| *thin > least[3] - 0.6), "{least:?}");
 }
 
 #[test]
