@@ -10,8 +10,9 @@ source web/tools.sh
 need_package_tools
 
 rm -rf js/dist
+# Bodies for size here, for speed in the page: a fit of 50 000 triangles takes 0.2 s here and 0.1 s there.
 wasm-pack --quiet build --mode no-install --no-pack --no-opt --target web --profile web --out-dir js/dist/wasm . \
-  --locked --no-default-features --features js-package
+  --locked --no-default-features --features js-package --config 'profile.web.package.implant-preview-body.opt-level="z"'
 # More passes make the file shorter and its compressed copy longer.
 wasm=js/dist/wasm/implant_preview_bg.wasm
 wasm-opt "$wasm" --output "$wasm" -O1 --strip-debug --strip-producers --enable-bulk-memory --enable-bulk-memory-opt \
