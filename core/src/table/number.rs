@@ -184,8 +184,14 @@ impl Decimals {
     /// The cell is no number, has separators of thousands, or may have one.
     pub fn read(self, cell: &str) -> Result<Quantity<'_>, NumberError> {
         let shown = || {
-            let cell = cell.trim();
-            match cell.char_indices().nth(SHOWN) {
+            let (cell, mut length) = (cell.trim(), 0);
+            // A sign that is not printed has up to ten characters in the message.
+            let mut letters = cell.char_indices();
+            let cut = letters.find(|(_, letter)| {
+                length += letter.escape_debug().len();
+                length > SHOWN
+            });
+            match cut {
                 Some((end, _)) => format!("{}…", &cell[..end]),
                 None => cell.to_owned(),
             }
@@ -334,6 +340,12 @@ mod tests {
         }
         let error = Decimals::Point.read(&"x".repeat(100)).unwrap_err().to_string();
         assert!(error.chars().count() < 80, "{error}");
+    }
+
+    #[test]
+    fn a_message_is_short_whatever_the_cell_has() {
+        let error = Decimals::Point.read(&"\u{ffff}".repeat(60)).unwrap_err().to_string();
+        assert!(error.starts_with(r#""\u{ffff}"#) && error.chars().count() < 100, "{error}");
     }
 
     #[test]
