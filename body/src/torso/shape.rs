@@ -48,11 +48,10 @@ pub(super) struct Mound {
     /// Middle and half widths of the breast \[mm\].
     center: DVec2,
     half: DVec2,
-    /// What a tape measures does not change with the shape: the torso's numbers, places of the skin, nodes with their heights \[mm\].
     measured: Measured,
 }
 
-/// What the measures of a shape go by.
+/// What the measures of a shape need and no shape changes.
 #[derive(Default)]
 struct Measured {
     chest_width_mm: f64,
@@ -72,9 +71,11 @@ struct Measured {
 struct Skin {
     place: DVec2,
     height_mm: f64,
-    /// How far it belongs to the breast, is beside the midline, and is on the way to the fold \[-\].
+    /// Share of the breast's moves and stretches, from 0 far away to 1 within \[-\].
     share: f64,
+    /// Share of the moves across, from 0 at the midline to 1 beside it \[-\].
     aside: f64,
+    /// Share of the fold's move, from 0 at the nipple to 1 at the fold \[-\].
     to_fold: f64,
     /// Way across from the nipple, beside the breast that of its ends \[mm\].
     beside: f64,
