@@ -155,27 +155,24 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
     site = await harness.serve({ folder: first });
     const port = Number(new URL(site.address).port);
     const { page, close } = await open();
-    // The builds whose files a load of the page requests.
-    let builds = new Set();
+    // The builds whose files the loaded page requests. The page that is left may request a worker until the new one is there.
+    const builds = new Set();
+    page.on("framenavigated", () => builds.clear());
     page.on("request", (request) => {
       const [build] = request.url().match(FOLDER) ?? [];
       if (build) builds.add(build);
     });
-    const reload = async () => {
-      builds = new Set();
-      await page.reload();
-    };
     await started(page);
     await kept(page, buildOf(first));
 
     // The connection breaks within the download of the second build.
     await site.close();
     site = await harness.serve({ folder: second, port, refuses: (path) => path.endsWith(".wasm") });
-    await reload();
+    await page.reload();
     await page.locator("#crashed").waitFor({ state: "visible" });
     assert.deepEqual([...builds], [buildOf(second)]);
     await site.close();
-    await reload();
+    await page.reload();
     await started(page);
     assert.equal(await isSecond(page), false);
     assert.deepEqual(await solveInWorkers(page), ["converged", "converged"]);
@@ -183,14 +180,14 @@ describe("the page without a network", { timeout: 8 * harness.PATIENCE }, () => 
 
     // The whole second build.
     site = await harness.serve({ folder: second, port });
-    await reload();
+    await page.reload();
     await started(page);
     assert.equal(await isSecond(page), true);
     assert.deepEqual(await solveInWorkers(page), ["converged", "converged"]);
     assert.deepEqual([...builds], [buildOf(second)]);
     await kept(page, buildOf(second));
     await site.close();
-    await reload();
+    await page.reload();
     await started(page);
     assert.equal(await isSecond(page), true);
     assert.deepEqual([...builds], [buildOf(second)]);
