@@ -333,8 +333,7 @@ impl<'s> Subject<'s> {
     }
 
     fn view<'a>(&'a self, frame: &'a Frame) -> View<'a> {
-        let Self { surface, welded, orientation, .. } = *self;
-        View { surface, welded, frame, orientation }
+        View::new(self.surface, self.welded, frame, self.orientation)
     }
 
     /// Heights of the skin in a frame \[mm\].

@@ -103,33 +103,44 @@ impl Grid {
     /// Solves value = (mean of the neighbours + weight·target)/(1 + weight) from the values on, without flux over the grid's edge
     /// (successive over-relaxation; after [`SWEEPS`] sweeps the error is below 1e-5 of the values' range for gaps of up to 30 nodes).
     pub(crate) fn settle(&self, values: &mut [f64], pull: &[Pull]) {
-        let side = self.side();
-        let mut relax = |row: usize, column: usize| {
-            let node = row * side + column;
-            let Pull { share, target } = pull[node];
-            if share == 0.0 {
-                return;
-            }
-            // At an edge the node itself stands for its neighbour beyond.
-            let below = if row > 0 { side } else { 0 };
-            let above = if row + 1 < side { side } else { 0 };
-            let left = values[node - usize::from(column > 0)];
-            let right = values[node + usize::from(column + 1 < side)];
-            let mean = 0.25 * (left + right + values[node - below] + values[node + above]);
-            let settled = target + share * (mean - target);
-            values[node] += RELAXATION * (settled - values[node]);
-        };
-        // Row after row, each a column behind the one before it in its group: the same values, which wait less for each other.
+        let in_turn = self.in_turn(pull);
         for _ in 0..SWEEPS {
-            for first in (0..side).step_by(TOGETHER) {
-                let rows = TOGETHER.min(side - first);
-                for step in 0..side + rows - 1 {
-                    for behind in (step + 1).saturating_sub(side)..rows.min(step + 1) {
-                        relax(first + behind, step - behind);
+            for InTurn { node, beside, pull: Pull { share, target } } in &in_turn {
+                let [left, right, below, above] = beside.map(|k| values[k as usize]);
+                let settled = target + share * (0.25 * (left + right + below + above) - target);
+                let value = &mut values[*node as usize];
+                *value += RELAXATION * (settled - *value);
+            }
+        }
+    }
+
+    /// The free nodes in the order of a sweep: row after row, each row of a group a column behind the one before it. The values are those
+    /// of a sweep along the rows, which wait less for each other.
+    fn in_turn(&self, pull: &[Pull]) -> Vec<InTurn> {
+        let side = self.side();
+        let mut in_turn = Vec::with_capacity(pull.len());
+        for first in (0..side).step_by(TOGETHER) {
+            let rows = TOGETHER.min(side - first);
+            for step in 0..side + rows - 1 {
+                for behind in (step + 1).saturating_sub(side)..rows.min(step + 1) {
+                    let (row, column) = (first + behind, step - behind);
+                    let node = row * side + column;
+                    if pull[node].share == 0.0 {
+                        continue;
                     }
+                    // At an edge the node itself stands for its neighbour beyond.
+                    let beside = [
+                        node - usize::from(column > 0),
+                        node + usize::from(column + 1 < side),
+                        if row > 0 { node - side } else { node },
+                        if row + 1 < side { node + side } else { node },
+                    ];
+                    let beside = beside.map(|k| k as u32);
+                    in_turn.push(InTurn { node: node as u32, beside, pull: pull[node] });
                 }
             }
         }
+        in_turn
     }
 
     /// Smooths values by a Gaussian mean of a standard deviation \[mm\]; beyond an edge the values go on, turned about it, so that planes stay.
@@ -200,8 +211,15 @@ impl Pull {
     }
 }
 
+/// A free node of a sweep with its neighbours left, right, below and above.
+struct InTurn {
+    node: u32,
+    beside: [u32; 4],
+    pull: Pull,
+}
+
 /// Rows of a sweep that are relaxed together.
-const TOGETHER: usize = 4;
+const TOGETHER: usize = 8;
 /// Sweeps of a harmonic fill.
 const SWEEPS: usize = 100;
 /// Over-relaxation of a harmonic fill: 2/(1 + sin(π/40)), the best for a gap of 40 nodes.

@@ -55,10 +55,10 @@ pub fn change(
     let orientation = if fit.quality.is_turned { -1.0 } else { 1.0 };
     // The parts of the surface that hang together with the skin at the centre.
     let frame = fit.frame.raised(fit.skin_mm[fit.grid.len() / 2]);
-    let view = View { surface: before.0, welded: &welded, frame: &frame, orientation };
+    let view = View::new(before.0, &welded, &frame, orientation);
     let triangles = view.connected();
     let heights = |surface: &Surface| {
-        let view = View { surface, welded: &welded, frame: &fit.frame, orientation };
+        let view = View::new(surface, &welded, &fit.frame, orientation);
         view.heights(fit.grid, &triangles)
     };
     let [low, high] = [before.0, after.0].map(heights);
@@ -123,7 +123,7 @@ pub fn asymmetry_mm(surface: &Surface, marks: &Marks, frame: &Frame) -> Option<f
     let welded = surface.weld();
     let turned = surface.signed_volume() < 0.0;
     let orientation = if turned { -1.0 } else { 1.0 };
-    let view = View { surface, welded: &welded, frame, orientation };
+    let view = View::new(surface, &welded, frame, orientation);
     let heights = view.heights(BOTH, &view.connected());
     let ellipse = |side: Side| Ellipse::of_breast(frame, marks, side);
     let ellipses = [ellipse(Side::Left)?, ellipse(Side::Right)?];

@@ -11,20 +11,30 @@ use glam::{DVec2, DVec3};
 /// Least z of the unit normal of a triangle that faces outwards \[-\].
 pub(crate) const LEAST_UP: f64 = 0.05;
 
-/// What is drawn: a surface in a frame, its normals turned by `orientation` (+1, or −1 for a surface that is inside out).
-#[derive(Clone, Copy)]
+/// What is drawn: a surface in a frame.
 pub struct View<'a> {
-    /// The surface.
-    pub surface: &'a Surface,
-    /// The first vertex at the position of each vertex ([`Surface::weld`]).
-    pub welded: &'a [u32],
-    /// The frame whose plane the grid lies in.
-    pub frame: &'a Frame,
-    /// +1, or −1 for normals that point inwards.
-    pub orientation: f64,
+    surface: &'a Surface,
+    welded: &'a [u32],
+    frame: &'a Frame,
+    orientation: f64,
+    /// The vertices in the frame \[mm\].
+    places: Vec<DVec3>,
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    /// A surface in a frame whose plane the grids lie in. `welded` is the first vertex at the position of each vertex
+    /// ([`Surface::weld`]), `orientation` +1, or −1 for a surface whose normals point inwards.
+    #[must_use]
+    pub fn new(
+        surface: &'a Surface,
+        welded: &'a [u32],
+        frame: &'a Frame,
+        orientation: f64,
+    ) -> Self {
+        let places = surface.positions.iter().map(|at| frame.local(*at)).collect();
+        Self { surface, welded, frame, orientation, places }
+    }
+
     /// The triangle's area vector in the frame's direction z \[mm²\], and its length \[mm²\], both twice the area.
     fn up(&self, triangle: [u32; 3]) -> (f64, f64) {
         let [a, b, c] = triangle.map(|k| self.surface.positions[k as usize]);
@@ -129,7 +139,7 @@ impl View<'_> {
         let (side, per, half) = (grid.side(), 1.0 / grid.spacing_mm, grid.half as f64);
         let triangle = triangle.map(|k| self.welded[k as usize]);
         let corners = triangle.map(|k| {
-            let local = self.frame.local(self.surface.positions[k as usize]);
+            let local = self.places[k as usize];
             DVec3::new(local.x * per + half, local.y * per + half, local.z)
         });
         let [a, b, c] = corners;
@@ -138,27 +148,24 @@ impl View<'_> {
         if high.x < 0.0 || high.y < 0.0 || low.x > most || low.y > most {
             return;
         }
-        // Truncated, which needs no call: a node left of the triangle is outside of it.
-        let [first_x, first_y] = [low.x, low.y].map(|at| at.max(0.0) as usize);
+        let [first_x, first_y] = [low.x, low.y].map(not_below);
         let [last_x, last_y] = [high.x, high.y].map(|at| at.min(most) as usize);
         let flat = corners.map(DVec3::truncate);
         let area = (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]);
-        if area == 0.0 {
+        if area == 0.0 || first_x > last_x || first_y > last_y {
             return;
         }
-        let turn = area.signum();
+        let edges = [[1, 2], [2, 0], [0, 1]].map(|[from, to]| {
+            Edge::new([triangle[from], triangle[to]], [flat[from], flat[to]], area.signum())
+        });
         for row in first_y..=last_y {
             for column in first_x..=last_x {
                 let at = DVec2::new(column as f64, row as f64);
-                let mut weights = [0.0; 3];
-                let is_inside = (0..3).all(|k| {
-                    let (from, to) = ((k + 1) % 3, (k + 2) % 3);
-                    let edge = edge((triangle[from], flat[from]), (triangle[to], flat[to]), at);
-                    weights[k] = edge * turn;
-                    let way = (flat[to] - flat[from]) * turn;
-                    weights[k] > 0.0 || edge == 0.0 && (way.y > 0.0 || way.y == 0.0 && way.x < 0.0)
-                });
-                if is_inside {
+                let weights = edges.map(|edge| edge.weight(at));
+                // Without branches, which a processor would guess wrongly for every other node.
+                let is_within =
+                    |k: usize| (weights[k] > 0.0) | (weights[k] == 0.0) & edges[k].is_own;
+                if is_within(0) & is_within(1) & is_within(2) {
                     let sum = weights[0] + weights[1] + weights[2];
                     let of = |k: usize| weights[k] / sum * corners[k].z;
                     visit(row * side + column, of(0) + of(1) + of(2));
@@ -168,13 +175,43 @@ impl View<'_> {
     }
 }
 
-/// Twice the area of a point's triangle with an edge; the edge turned round gives the opposite to the last bit.
+/// The first node that is not below a coordinate, in nodes (its ceiling, which needs no call here).
 #[inline]
-fn edge(from: (u32, DVec2), to: (u32, DVec2), at: DVec2) -> f64 {
-    if from.0 < to.0 {
-        (to.1 - from.1).perp_dot(at - from.1)
-    } else {
-        -(from.1 - to.1).perp_dot(at - to.1)
+fn not_below(at: f64) -> usize {
+    let at = at.max(0.0);
+    let node = at as usize;
+    node + usize::from((node as f64) < at)
+}
+
+/// An edge of a triangle.
+#[derive(Clone, Copy)]
+struct Edge {
+    start: DVec2,
+    way: DVec2,
+    /// Turns the weights: positive inside of the triangle.
+    turn: f64,
+    /// Do the nodes on the edge belong to the triangle?
+    is_own: bool,
+}
+
+impl Edge {
+    /// The edge between two vertices in a triangle that turns by `turn`. It starts at the vertex of the smaller number, so that turned
+    /// round it gives the opposite weights to the last bit.
+    #[inline]
+    fn new([from, to]: [u32; 2], ends: [DVec2; 2], turn: f64) -> Self {
+        let way = (ends[1] - ends[0]) * turn;
+        let is_own = way.y > 0.0 || way.y == 0.0 && way.x < 0.0;
+        if from < to {
+            Self { start: ends[0], way: ends[1] - ends[0], turn, is_own }
+        } else {
+            Self { start: ends[1], way: ends[0] - ends[1], turn: -turn, is_own }
+        }
+    }
+
+    /// Twice the area of a point's triangle with the edge, positive on the triangle's side.
+    #[inline]
+    fn weight(&self, at: DVec2) -> f64 {
+        self.way.perp_dot(at - self.start) * self.turn
     }
 }
 

@@ -44,7 +44,7 @@ fn the_chest_under_breasts_of_three_sizes_is_found() {
         let bare = torso::torso(0.0, 200, 160);
         let found = fitted(&surface, &marks, Side::Left);
         let (grid, welded) = (found.grid, bare.weld());
-        let view = View { surface: &bare, welded: &welded, frame: &found.frame, orientation: 1.0 };
+        let view = View::new(&bare, &welded, &found.frame, 1.0);
         let exact = view.heights(grid, &view.connected());
         let near: Vec<usize> =
             (0..grid.len()).filter(|&node| grid.place(node).length() <= 60.0).collect();

@@ -125,7 +125,7 @@ impl Breast {
 /// Heights of the skin in a frame \[mm\], NaN where there is none.
 fn skin(subject: &Subject<'_>, frame: &Frame) -> Vec<f64> {
     let Subject { surface, welded, triangles, orientation } = *subject;
-    let view = View { surface, welded, frame, orientation };
+    let view = View::new(surface, welded, frame, orientation);
     view.heights(GRID, &view.outwards(triangles))
 }
 

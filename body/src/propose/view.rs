@@ -52,7 +52,7 @@ impl Front {
         let half = far.fold(0.0, f64::max) / SPACING_MM;
         let grid =
             Grid { half: (half.ceil() as usize + 1).clamp(20, MOST), spacing_mm: SPACING_MM };
-        let view = View { surface, welded, frame: &frame, orientation };
+        let view = View::new(surface, welded, &frame, orientation);
         let heights = view.heights(grid, &view.outwards(triangles));
         Self { pose: *pose, grid, heights }
     }
