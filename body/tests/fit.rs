@@ -152,7 +152,7 @@ fn the_height_field_is_that_of_rays_at_all_nodes() {
     let (surface, marks) = (torso::torso(62.3, 64, 48), torso::marks(62.3));
     let BodyFit { frame, grid, .. } = fitted(&surface, &marks, Side::Left);
     let welded = surface.weld();
-    let view = View { surface: &surface, welded: &welded, frame: &frame, orientation: 1.0 };
+    let view = View::new(&surface, &welded, &frame, 1.0);
     let drawn = view.heights(grid, &view.connected());
     let triangles: Vec<[DVec3; 3]> =
         surface.triangles.iter().map(|t| surface.corners(*t).map(|p| frame.local(p))).collect();

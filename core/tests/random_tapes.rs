@@ -326,3 +326,22 @@ fn a_torso_carries_pockets_of_all_widths() {
         assert_eq!(scene.validate(), Ok(()), "{pocket}");
     }
 }
+
+/// Long and narrow, short and wide; the trunk of a usual tape is not mentioned.
+#[test]
+fn a_trunk_of_rare_proportions_is_mentioned() {
+    let warnings = |chest_width_mm: f64, notch_nipple_mm: f64| {
+        let mut scene = opening(33);
+        scene.set_torso(Torso { chest_width_mm, notch_nipple_mm, ..Torso::default() });
+        let mut warnings = scene.torso_warnings();
+        warnings.retain(|words| words.starts_with("A trunk of rare proportions: "));
+        warnings
+    };
+    for (wide, down) in [(220.0, 250.0), (320.0, 170.0)] {
+        let found = warnings(wide, down);
+        assert!(found.len() == 1 && found[0].ends_with(&format!("{:.0} cm wide.", wide / 10.0)));
+    }
+    for (wide, down) in [(260.0, 192.7), (240.0, 180.0), (300.0, 220.0)] {
+        assert!(warnings(wide, down).is_empty(), "{wide} {down}");
+    }
+}

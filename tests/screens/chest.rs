@@ -1,6 +1,7 @@
 //! The chest of the plan: its list, its radii, the report and the comparison.
 
 use super::*;
+use egui::{Key, vec2};
 use implant_preview::scene::{ChestShape, Torso};
 
 /// The flat plan on the coarsest grid.
@@ -84,4 +85,58 @@ fn a_torso_is_the_chest_shaped_by_its_numbers() {
 fn a_sheet_has_no_chest() {
     let harness = app(DESKTOP, |scene: &mut Scene| scene.set_tissue_model(TissueModel::Sheet));
     assert_eq!(harness.query_all_by_label("Chest").count(), 0);
+}
+
+#[test]
+fn a_number_of_the_torso_waits_until_its_slider_pauses() {
+    let mut harness = app(DESKTOP, flat);
+    choose(&mut harness, "torso by a tape…");
+    let volume = |harness: &Harness<'static, App>| {
+        harness.state().session().scene().torso.unwrap().breast_volume_ml
+    };
+    let shown = |harness: &Harness<'static, App>| {
+        let rail = harness.get_by_role_and_label(Role::Slider, "Breast volume (ml)");
+        rail.accesskit_node().numeric_value().unwrap()
+    };
+    let before = volume(&harness);
+    harness.get_by_role_and_label(Role::Slider, "Breast volume (ml)").scroll_to_me();
+    settle(&mut harness);
+    let at = harness.get_by_role_and_label(Role::Slider, "Breast volume (ml)").rect().center();
+    let move_to = |harness: &mut Harness<'static, App>, right: f32| {
+        harness.hover_at(at + vec2(right, 0.0));
+        harness.step();
+    };
+    move_to(&mut harness, 0.0);
+    harness.drag_at(at);
+    harness.step();
+    for k in 1..=3 {
+        move_to(&mut harness, 4.0 * k as f32);
+    }
+    // The slider follows at once, the torso after a pause.
+    assert!(shown(&harness) > before);
+    assert_eq!(volume(&harness), before);
+    for _ in 0..30 {
+        harness.step();
+    }
+    assert_eq!(volume(&harness), shown(&harness));
+    // Released, it is shaped at once.
+    move_to(&mut harness, 20.0);
+    assert_ne!(volume(&harness), shown(&harness));
+    harness.drop_at(at + vec2(20.0, 0.0));
+    harness.step();
+    assert_eq!(volume(&harness), shown(&harness));
+    settle(&mut harness);
+    harness.get_by_role_and_label(Role::Button, "Undo").click();
+    settle(&mut harness);
+    assert_eq!((volume(&harness), shown(&harness)), (before, before));
+    // Escape drops a number that waits.
+    move_to(&mut harness, 0.0);
+    harness.drag_at(at);
+    harness.step();
+    move_to(&mut harness, 12.0);
+    harness.key_press(Key::Escape);
+    harness.step();
+    harness.drop_at(at + vec2(12.0, 0.0));
+    settle(&mut harness);
+    assert_eq!((volume(&harness), shown(&harness)), (before, before));
 }

@@ -7,13 +7,14 @@ use super::field::Scale;
 use super::thickness::FACTORS;
 use super::{Field, Scene, SceneError, ThicknessGrid, field, out_of_range, problem};
 use crate::body::fit::{BodyFit, FitError, Settings, fit_known};
-use crate::body::marks::Side;
+use crate::body::marks::{Marks, Side};
 use crate::body::surface::Surface;
 use crate::body::torso::{self, Tape};
 use crate::curve::{number, present};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use std::borrow::Cow;
+use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What a tape measures on a body of which both sides are alike; the built-in torso is shaped by it.
@@ -201,6 +202,10 @@ pub(super) fn written<S: Serializer>(torso: &Option<Torso>, to: S) -> Result<S::
 const MOST_PATCH_MM: f64 = 180.0;
 /// Greatest difference of a torso from what is asked for that is not mentioned \[-\].
 const NEAREST: f64 = 0.02;
+/// From sternal notch to navel against the width of the chest, of the stored trunk \[-\].
+const OWN_TRUNK: f64 = 386.0 / 260.0;
+/// The same of a trunk that is not mentioned, against that of the stored one \[-\].
+const USUAL_TRUNK: RangeInclusive<f64> = 0.75..=1.3;
 
 impl Scene {
     /// Sets the torso as the chest, in place of radii, a grid, or a scan.
@@ -222,7 +227,8 @@ impl Scene {
         Some(self.torso.as_ref()?.fitted_under([self.tissue_mm(), least]))
     }
 
-    /// Sentences on the numbers of the shaped torso that are others than those asked for, by more than 2 %: no torso of the asked ones is within the ranges.
+    /// Sentences on the shaped torso: numbers that are others than those asked for, by more than 2 %, where no torso of the asked ones is
+    /// within the ranges; a trunk of rare proportions, which the way from notch to nipple makes longer or shorter.
     #[must_use]
     pub fn torso_warnings(&self) -> Vec<String> {
         let (Some(asked), Some(Ok(fitted))) = (self.torso, self.fitted_torso()) else {
@@ -239,7 +245,16 @@ impl Scene {
                 format!("Nearest torso: {name} {found:.decimals$} {unit}, not {asked:.decimals$}.")
             })
         };
-        field::TORSO.into_iter().filter_map(warning).collect()
+        let mut warnings: Vec<String> = field::TORSO.into_iter().filter_map(warning).collect();
+        let Marks { sternal_notch, navel, .. } = fitted.shaped.torso.marks;
+        let (long, wide) = (sternal_notch.distance(navel), fitted.shaped.tape.chest_width_mm);
+        if !USUAL_TRUNK.contains(&(long / wide / OWN_TRUNK)) {
+            let [long, wide] = [long, wide].map(|mm| mm / 10.0);
+            warnings.push(format!(
+                "A trunk of rare proportions: {long:.0} cm from sternal notch to navel, {wide:.0} cm wide."
+            ));
+        }
+        warnings
     }
 
     /// Checks that the scene may have its torso.

@@ -468,7 +468,7 @@ impl App {
         let before = self.shared.session.scene().clone();
         self.execute(Command::CancelGesture(self.edits.gesture));
         let is_edited = before != *self.shared.session.scene();
-        if is_edited || self.handles.is_dragged() {
+        if is_edited || self.handles.is_dragged() || plan::is_torso_waiting(ctx) {
             self.edits.press.is_cancelled = true;
             self.shared.choices = self.edits.press.choices;
         }

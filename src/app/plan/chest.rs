@@ -8,6 +8,7 @@ use crate::app::widgets::{self, Control, set_accessible_name};
 use crate::scene::field::{CHEST, TORSO};
 use crate::scene::{ChestShape, Field, Scene};
 use eframe::egui::{self, Ui};
+use std::time::Duration;
 
 /// A choice: its word, its chest and what it means.
 type ChestChoice = (&'static str, Chest, &'static str);
@@ -178,19 +179,62 @@ pub(super) fn radii(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     });
 }
 
+/// A number that a held slider has moved, in the unit of its control, before the torso is shaped by it.
+#[derive(Clone, Copy)]
+struct Waiting {
+    number: Field,
+    value: f64,
+    /// Time of the last motion \[s\].
+    since: f64,
+}
+
+/// Time for which a held slider rests before the torso is shaped, which takes longer than a frame \[s\].
+const PAUSE_S: f64 = 0.15;
+
+fn waiting_id() -> egui::Id {
+    egui::Id::unique("waiting number of the torso")
+}
+
+fn waiting(ctx: &egui::Context) -> Option<Waiting> {
+    ctx.data(|data| data.get_temp(waiting_id()))
+}
+
+/// Has a held slider moved a number that the torso does not have yet?
+pub(crate) fn is_waiting(ctx: &egui::Context) -> bool {
+    waiting(ctx).is_some()
+}
+
 /// Shows the numbers of the torso.
 pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
-    if scene.torso.is_none() {
-        return;
-    }
-    for number in TORSO {
-        let Some((control, mut value)) = plain::control(scene, number, Device::Implant) else {
-            continue;
-        };
-        if row(ui, hand, control, &mut value, (0.0, |_: &mut Ui| {})).is_changed {
-            plain::set(scene, number, value);
+    let ctx = ui.ctx().clone();
+    let mut waiting = waiting(&ctx).filter(|_| !widgets::is_press_cancelled(&ctx));
+    if scene.torso.is_some() {
+        let (now, is_held) = ctx.input(|input| (input.time, input.pointer.any_down()));
+        for number in TORSO {
+            let Some((control, mut value)) = plain::control(scene, number, Device::Implant) else {
+                continue;
+            };
+            value = waiting.filter(|of| of.number == number).map_or(value, |of| of.value);
+            if row(ui, hand, control, &mut value, (0.0, |_: &mut Ui| {})).is_changed {
+                waiting = Some(Waiting { number, value, since: now });
+            }
+        }
+        if let Some(Waiting { number, value, since }) = waiting {
+            let rest = PAUSE_S - (now - since);
+            if is_held && rest > 0.0 {
+                ctx.request_repaint_after(Duration::from_secs_f64(rest));
+            } else {
+                plain::set(scene, number, value);
+                waiting = None;
+            }
         }
     }
+    ctx.data_mut(|data| match waiting {
+        Some(waiting) => {
+            data.insert_temp(waiting_id(), waiting);
+        }
+        None => data.remove::<Waiting>(waiting_id()),
+    });
 }
 
 /// The control of the radius across (0) or along the body (1), and the radius \[cm\]; `None` without one.

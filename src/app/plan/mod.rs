@@ -30,7 +30,7 @@ pub(crate) mod volume_marks;
 pub(crate) mod volumes;
 pub(crate) mod when;
 
-pub(super) use chest::chest_in_words;
+pub(super) use chest::{chest_in_words, is_waiting as is_torso_waiting};
 pub(super) use fill::{fill_in_words, show as fill};
 pub(super) use form::{fields, set};
 pub(super) use implant::{implant, projection_in_words, set_projection};

@@ -184,7 +184,8 @@ pub(super) fn note_cancelled_press(ctx: &egui::Context, is_cancelled: bool) {
     ctx.data_mut(|data| data.insert_temp(Id::unique("cancelled press"), is_cancelled));
 }
 
-fn is_press_cancelled(ctx: &egui::Context) -> bool {
+/// Is the press of the pointer cancelled?
+pub(super) fn is_press_cancelled(ctx: &egui::Context) -> bool {
     ctx.data(|data| data.get_temp(Id::unique("cancelled press"))).unwrap_or_default()
 }
 
