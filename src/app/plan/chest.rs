@@ -207,34 +207,30 @@ pub(crate) fn is_waiting(ctx: &egui::Context) -> bool {
 /// Shows the numbers of the torso.
 pub(super) fn torso(ui: &mut Ui, scene: &mut Scene, hand: Hand) {
     let ctx = ui.ctx().clone();
-    let mut waiting = waiting(&ctx).filter(|_| !widgets::is_press_cancelled(&ctx));
-    if scene.torso.is_some() {
-        let (now, is_held) = ctx.input(|input| (input.time, input.pointer.any_down()));
-        for number in TORSO {
-            let Some((control, mut value)) = plain::control(scene, number, Device::Implant) else {
-                continue;
-            };
-            value = waiting.filter(|of| of.number == number).map_or(value, |of| of.value);
-            if row(ui, hand, control, &mut value, (0.0, |_: &mut Ui| {})).is_changed {
-                waiting = Some(Waiting { number, value, since: now });
-            }
-        }
-        if let Some(Waiting { number, value, since }) = waiting {
-            let rest = PAUSE_S - (now - since);
-            if is_held && rest > 0.0 {
-                ctx.request_repaint_after(Duration::from_secs_f64(rest));
-            } else {
-                plain::set(scene, number, value);
-                waiting = None;
-            }
+    let waiting = waiting(&ctx);
+    ctx.data_mut(|data| data.remove::<Waiting>(waiting_id()));
+    if scene.torso.is_none() {
+        return;
+    }
+    let mut waiting = waiting.filter(|_| !widgets::is_press_cancelled(&ctx));
+    let (now, is_held) = ctx.input(|input| (input.time, input.pointer.any_down()));
+    for number in TORSO {
+        let Some((control, mut value)) = plain::control(scene, number, Device::Implant) else {
+            continue;
+        };
+        value = waiting.filter(|of| of.number == number).map_or(value, |of| of.value);
+        if row(ui, hand, control, &mut value, (0.0, |_: &mut Ui| {})).is_changed {
+            waiting = Some(Waiting { number, value, since: now });
         }
     }
-    ctx.data_mut(|data| match waiting {
-        Some(waiting) => {
-            data.insert_temp(waiting_id(), waiting);
-        }
-        None => data.remove::<Waiting>(waiting_id()),
-    });
+    let Some(of @ Waiting { number, value, since }) = waiting else { return };
+    let rest = PAUSE_S - (now - since);
+    if is_held && rest > 0.0 {
+        ctx.data_mut(|data| data.insert_temp(waiting_id(), of));
+        ctx.request_repaint_after(Duration::from_secs_f64(rest));
+    } else {
+        plain::set(scene, number, value);
+    }
 }
 
 /// The control of the radius across (0) or along the body (1), and the radius \[cm\]; `None` without one.
